@@ -1,0 +1,307 @@
+//! Checked views of accessors: every byte that is read has been shown to lie within its view, its view within its
+//! buffer, and the count within the budget, before anything is allocated.
+
+use crate::document::Gltf;
+use crate::error::AssetError;
+use crate::json::Json;
+use crate::limits::{Budget, Of, reserve};
+
+/// What a component of an element is stored as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    fn read(json: Json<'_>) -> Result<Self, AssetError> {
+        Ok(match json.uint()? {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            _ => return Err(json.fault("a component type: 5120 to 5123, 5125 or 5126")),
+        })
+    }
+
+    pub(crate) fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    /// The component that `bytes` start with, 0 where there are too few.
+    fn value(self, bytes: &[u8]) -> f64 {
+        match self {
+            Self::I8 => bytes.first().map_or(0.0, |&b| f64::from(b.cast_signed())),
+            Self::U8 => bytes.first().map_or(0.0, |&b| f64::from(b)),
+            Self::I16 => first(bytes).map_or(0.0, |b| f64::from(i16::from_le_bytes(b))),
+            Self::U16 => first(bytes).map_or(0.0, |b| f64::from(u16::from_le_bytes(b))),
+            Self::U32 => first(bytes).map_or(0.0, |b| f64::from(u32::from_le_bytes(b))),
+            Self::F32 => first(bytes).map_or(0.0, |b| f64::from(f32::from_le_bytes(b))),
+        }
+    }
+
+    /// What a normalised component is divided by, and the least that it can then be.
+    fn scale(self) -> (f64, f64) {
+        match self {
+            Self::I8 => (127.0, -1.0),
+            Self::U8 => (255.0, 0.0),
+            Self::I16 => (32_767.0, -1.0),
+            Self::U16 => (65_535.0, 0.0),
+            Self::U32 | Self::F32 => (1.0, f64::NEG_INFINITY),
+        }
+    }
+}
+
+fn first<const N: usize>(bytes: &[u8]) -> Option<[u8; N]> {
+    bytes.first_chunk::<N>().copied()
+}
+
+/// Elements at equal distances.
+#[derive(Clone, Copy, Debug)]
+struct Strided<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+}
+
+/// Elements that replace others.
+#[derive(Clone, Copy, Debug)]
+struct Sparse<'a> {
+    count: usize,
+    index_type: Component,
+    indices: &'a [u8],
+    values: &'a [u8],
+    json: Json<'a>,
+}
+
+/// A checked accessor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Accessor<'a> {
+    pub(crate) index: usize,
+    pub(crate) json: Json<'a>,
+    pub(crate) count: usize,
+    pub(crate) component: Component,
+    /// Components of an element.
+    pub(crate) lanes: usize,
+    pub(crate) normalized: bool,
+    base: Option<Strided<'a>>,
+    sparse: Option<Sparse<'a>>,
+}
+
+impl Gltf {
+    /// The accessor that `reference` names, with all its ranges checked.
+    pub(crate) fn accessor<'a>(&'a self, reference: Json<'_>) -> Result<Accessor<'a>, AssetError> {
+        let (index, json) = self.follow("accessors", reference)?;
+        let component = Component::read(json.need("componentType")?)?;
+        let kind = json.need("type")?;
+        let lanes = match kind.string()? {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            "VEC4" | "MAT2" => 4,
+            "MAT3" => 9,
+            "MAT4" => 16,
+            _ => return Err(kind.fault("an accessor type: SCALAR, VEC2 to VEC4 or MAT2 to MAT4")),
+        };
+        let count = json.need("count")?.uint()?;
+        if count == 0 {
+            return Err(json.need("count")?.fault("at least one element"));
+        }
+        let normalized = match json.get("normalized")? {
+            None => false,
+            Some(flag) => flag.value().as_bool().ok_or_else(|| flag.fault("true or false"))?,
+        };
+        let size = element_size(component, lanes);
+        let base = match json.get("bufferView")? {
+            None => None,
+            Some(view) => Some(self.strided(json, view, count, component, size)?),
+        };
+        let sparse = match json.get("sparse")? {
+            None => None,
+            Some(sparse) => Some(self.sparse(sparse, count, size)?),
+        };
+        Ok(Accessor { index, json, count, component, lanes, normalized, base, sparse })
+    }
+
+    /// The bytes of the view that `reference` names, and its stride if it has one.
+    fn view<'a>(&'a self, reference: Json<'_>) -> Result<(&'a [u8], usize, Option<usize>), AssetError> {
+        let (_, view) = self.follow("bufferViews", reference)?;
+        let buffer = view.need("buffer")?.index("buffer", self.buffers.len())?;
+        let buffer = self.buffers.get(buffer).ok_or_else(|| view.fault("a buffer"))?;
+        let offset = view.uint_or("byteOffset", 0)?;
+        let length = view.need("byteLength")?;
+        let bytes = offset
+            .checked_add(length.uint()?)
+            .filter(|&end| end <= buffer.length)
+            .and_then(|end| buffer.bytes.get(offset..end))
+            .ok_or_else(|| {
+                length.found(
+                    format!("{} bytes from byte {offset}", length.value()),
+                    format!("a range within the {} bytes of the buffer", buffer.length),
+                )
+            })?;
+        if bytes.is_empty() {
+            return Err(length.fault("at least one byte"));
+        }
+        let stride = match view.get("byteStride")? {
+            None => None,
+            Some(json) => {
+                let stride = json.uint()?;
+                if !(4..=252).contains(&stride) || stride % 4 != 0 {
+                    return Err(json.fault("a multiple of 4 from 4 to 252"));
+                }
+                Some(stride)
+            }
+        };
+        Ok((bytes, offset, stride))
+    }
+
+    fn strided<'a>(
+        &'a self,
+        json: Json<'a>,
+        view: Json<'_>,
+        count: usize,
+        component: Component,
+        size: usize,
+    ) -> Result<Strided<'a>, AssetError> {
+        let (bytes, start, stride) = self.view(view)?;
+        let stride = stride.unwrap_or(size);
+        if stride < size {
+            return Err(view.found(format!("a view with a stride of {stride}"), format!("a stride of at least {size}")));
+        }
+        let offset = json.uint_or("byteOffset", 0)?;
+        if !start.wrapping_add(offset).is_multiple_of(component.size()) {
+            let place = json.get("byteOffset")?.unwrap_or(json);
+            let found = format!("data from byte {} of the buffer", start.saturating_add(offset));
+            return Err(place.found(found, format!("a multiple of {}", component.size())));
+        }
+        let end = (count - 1).checked_mul(stride).and_then(|n| n.checked_add(size)).and_then(|n| n.checked_add(offset));
+        match end.filter(|&end| end <= bytes.len()).and_then(|end| bytes.get(offset..end)) {
+            Some(bytes) => Ok(Strided { bytes, stride }),
+            None => Err(json.found(
+                format!("{count} elements of {size} bytes, {stride} apart, from byte {offset}"),
+                format!("elements within the {} bytes of the buffer view", bytes.len()),
+            )),
+        }
+    }
+
+    /// `count` packed elements of `size` bytes in a view that `json` names.
+    fn packed<'a>(&'a self, json: Json<'a>, count: usize, size: usize) -> Result<&'a [u8], AssetError> {
+        let (bytes, _, _) = self.view(json.need("bufferView")?)?;
+        let offset = json.uint_or("byteOffset", 0)?;
+        count
+            .checked_mul(size)
+            .and_then(|length| length.checked_add(offset))
+            .and_then(|end| bytes.get(offset..end))
+            .ok_or_else(|| {
+                json.found(
+                    format!("{count} elements of {size} bytes from byte {offset}"),
+                    format!("elements within the {} bytes of the buffer view", bytes.len()),
+                )
+            })
+    }
+
+    fn sparse<'a>(
+        &'a self,
+        json: Json<'a>,
+        of: usize,
+        size: usize,
+    ) -> Result<Sparse<'a>, AssetError> {
+        let count = json.need("count")?.uint()?;
+        if count == 0 || count > of {
+            return Err(json.need("count")?.fault(format!("1 to {of}, the elements of the accessor")));
+        }
+        let index_json = json.need("indices")?;
+        let index_type = index_type(index_json.need("componentType")?)?;
+        let indices = self.packed(index_json, count, index_type.size())?;
+        let values = self.packed(json.need("values")?, count, size)?;
+        let sparse = Sparse { count, index_type, indices, values, json: index_json };
+        let mut least = 0;
+        for index in sparse.indices() {
+            if index < least || index >= of {
+                return Err(index_json.found(format!("index {index}"), format!("rising indices below {of}")));
+            }
+            least = index + 1;
+        }
+        Ok(sparse)
+    }
+}
+
+/// The type of an index.
+fn index_type(json: Json<'_>) -> Result<Component, AssetError> {
+    let component = Component::read(json)?;
+    match component {
+        Component::U8 | Component::U16 | Component::U32 => Ok(component),
+        _ => Err(json.fault("an unsigned type: 5121, 5123 or 5125")),
+    }
+}
+
+/// Bytes of one element; the columns of small matrices start at multiples of 4.
+fn element_size(component: Component, lanes: usize) -> usize {
+    match (component.size(), lanes) {
+        (size, 9) => (3 * size).div_ceil(4) * 4 * 3,
+        (size, lanes) => size * lanes,
+    }
+}
+
+impl Sparse<'_> {
+    fn indices(&self) -> impl Iterator<Item = usize> {
+        self.indices.chunks_exact(self.index_type.size()).map(|bytes| self.index_type.value(bytes) as usize)
+    }
+}
+
+impl Accessor<'_> {
+    /// All elements as `N` floats each; normalised integers as the standard says. `N` is [`Accessor::lanes`].
+    pub(crate) fn floats<const N: usize>(&self, budget: &mut Budget) -> Result<Vec<[f32; N]>, AssetError> {
+        let (scale, least) = if self.normalized { self.component.scale() } else { (1.0, f64::NEG_INFINITY) };
+        self.elements(budget, [0.0; N], |value| (value / scale).max(least) as f32)
+    }
+
+    /// All elements as `N` unsigned integers each; the component type is an unsigned one.
+    pub(crate) fn uints<const N: usize>(&self, budget: &mut Budget) -> Result<Vec<[u32; N]>, AssetError> {
+        self.elements(budget, [0; N], |value| value as u32)
+    }
+
+    fn elements<T: Copy, const N: usize>(
+        &self,
+        budget: &mut Budget,
+        zero: [T; N],
+        convert: impl Fn(f64) -> T,
+    ) -> Result<Vec<[T; N]>, AssetError> {
+        if self.lanes != N {
+            return Err(self.json.need("type")?.fault(format!("a type of {N} components")));
+        }
+        let bytes = (self.count as u64).saturating_mul(size_of::<[T; N]>() as u64);
+        budget.charge(Of::ExpandedBytes, bytes, || self.json.place())?;
+        let size = self.component.size();
+        let element = |bytes: &[u8]| {
+            let mut out = zero;
+            for (slot, bytes) in out.iter_mut().zip(bytes.chunks_exact(size)) {
+                *slot = convert(self.component.value(bytes));
+            }
+            out
+        };
+        let mut out = reserve(self.count)?;
+        match self.base {
+            None => out.resize(self.count, zero),
+            Some(base) => out.extend(base.bytes.chunks(base.stride).take(self.count).map(element)),
+        }
+        if let Some(sparse) = &self.sparse {
+            let values = sparse.values.chunks_exact(size * N);
+            for (index, bytes) in sparse.indices().zip(values).take(sparse.count) {
+                let slot = out.get_mut(index).ok_or_else(|| sparse.json.fault("indices below the count"))?;
+                *slot = element(bytes);
+            }
+        }
+        Ok(out)
+    }
+}

@@ -1,0 +1,186 @@
+//! The vertices of a primitive as its mesh stores them, morph targets applied.
+
+use crate::accessor::{Accessor, Component};
+use crate::document::Gltf;
+use crate::error::{AssetError, Warning};
+use crate::json::Json;
+use crate::limits::Budget;
+
+/// The extension that lets positions and normals be small integers.
+const QUANTIZATION: &str = "KHR_mesh_quantization";
+
+/// Vertices in the space of their mesh.
+pub(crate) struct Local {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) normals: Option<Vec<[f32; 3]>>,
+    pub(crate) uvs: Option<Vec<[f32; 2]>>,
+}
+
+/// How many morph targets each primitive of a mesh has; all must have as many.
+pub(crate) fn target_count(primitives: Json<'_>) -> Result<usize, AssetError> {
+    let mut count = None;
+    if primitives.array()?.is_empty() {
+        return Err(primitives.fault("at least one primitive"));
+    }
+    for primitive in primitives.items()? {
+        let targets = primitive.get("targets")?.map_or(Ok(0), |targets| targets.array().map(<[_]>::len))?;
+        let expected = *count.get_or_insert(targets);
+        if targets != expected {
+            let expected = format!("{expected}, as the mesh's first primitive has");
+            return Err(primitive.found(format!("{targets} morph targets"), expected));
+        }
+    }
+    Ok(count.unwrap_or(0))
+}
+
+/// Checks that all attributes of a primitive and of its targets exist and are equally long. Gives which accessor
+/// each of them is, by name, for two primitives with the same list have the same vertices.
+pub(crate) fn check(gltf: &Gltf, primitive: Json<'_>) -> Result<Vec<(String, usize)>, AssetError> {
+    let mut list = Vec::new();
+    let mut count = None;
+    let mut one = |name: String, reference: Json<'_>| -> Result<(), AssetError> {
+        let accessor = gltf.accessor(reference)?;
+        let (expected, ref first) = *count.get_or_insert((accessor.count, name.clone()));
+        if accessor.count != expected {
+            return Err(reference.found(
+                format!("accessor {} of {} elements", accessor.index, accessor.count),
+                format!("{expected} elements, as {first} has"),
+            ));
+        }
+        list.push((name, accessor.index));
+        Ok(())
+    };
+    for (name, reference) in primitive.need("attributes")?.members()? {
+        one(name.to_owned(), reference)?;
+    }
+    if let Some(targets) = primitive.get("targets")? {
+        for (i, target) in targets.items()?.enumerate() {
+            for (name, reference) in target.members()? {
+                one(format!("{name} of target {i}"), reference)?;
+            }
+        }
+    }
+    list.sort_unstable();
+    Ok(list)
+}
+
+impl Local {
+    /// Reads positions, normals and texture coordinates; `weights` has one number a morph target.
+    pub(crate) fn read(
+        gltf: &Gltf,
+        primitive: Json<'_>,
+        weights: &[f64],
+        budget: &mut Budget,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Self, AssetError> {
+        let attributes = primitive.need("attributes")?;
+        let accessor = vectors(gltf, attributes.need("POSITION")?)?;
+        let mut positions = finite(&accessor, accessor.floats::<3>(budget)?)?;
+        check_bounds(&accessor, &positions, warnings)?;
+        let mut normals = match attributes.get("NORMAL")? {
+            None => None,
+            Some(reference) => {
+                let accessor = vectors(gltf, reference)?;
+                Some(finite(&accessor, accessor.floats::<3>(budget)?)?)
+            }
+        };
+        if let Some(targets) = primitive.get("targets")? {
+            for (target, &weight) in targets.items()?.zip(weights) {
+                add(gltf, target.get("POSITION")?, weight, Some(&mut positions), budget)?;
+                add(gltf, target.get("NORMAL")?, weight, normals.as_mut(), budget)?;
+            }
+        }
+        let uvs = match attributes.get("TEXCOORD_0")? {
+            None => None,
+            Some(reference) => texture_coordinates(&gltf.accessor(reference)?, budget, warnings)?,
+        };
+        Ok(Self { positions, normals, uvs })
+    }
+}
+
+/// The accessor of positions, normals or their deltas.
+pub(crate) fn vectors<'a>(gltf: &'a Gltf, reference: Json<'_>) -> Result<Accessor<'a>, AssetError> {
+    let accessor = gltf.accessor(reference)?;
+    let small = !matches!(accessor.component, Component::F32 | Component::U32) && gltf.uses(QUANTIZATION);
+    let float = accessor.component == Component::F32 && !accessor.normalized;
+    if accessor.lanes == 3 && (float || small) {
+        return Ok(accessor);
+    }
+    let expected = format!("VEC3 of floats, or of small integers with {QUANTIZATION}");
+    Err(accessor.json.found("an accessor of another type", expected))
+}
+
+fn finite(accessor: &Accessor<'_>, values: Vec<[f32; 3]>) -> Result<Vec<[f32; 3]>, AssetError> {
+    match values.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
+        Some(i) => Err(accessor.json.found(format!("element {i} is {:?}", values[i]), "finite numbers")),
+        None => Ok(values),
+    }
+}
+
+/// Adds `weight` times a morph target; a target of weight 0 is not read.
+fn add(
+    gltf: &Gltf,
+    reference: Option<Json<'_>>,
+    weight: f64,
+    to: Option<&mut Vec<[f32; 3]>>,
+    budget: &mut Budget,
+) -> Result<(), AssetError> {
+    let (Some(reference), Some(to)) = (reference, to) else { return Ok(()) };
+    let accessor = vectors(gltf, reference)?;
+    if weight == 0.0 {
+        return Ok(());
+    }
+    let deltas = finite(&accessor, accessor.floats::<3>(budget)?)?;
+    for (v, delta) in to.iter_mut().zip(deltas) {
+        for (c, d) in v.iter_mut().zip(delta) {
+            *c = (f64::from(*c) + weight * f64::from(d)) as f32;
+        }
+    }
+    Ok(())
+}
+
+/// Missing or wrong bounds harm viewers, not us.
+fn check_bounds(accessor: &Accessor<'_>, values: &[[f32; 3]], warnings: &mut Vec<Warning>) -> Result<(), AssetError> {
+    if accessor.normalized {
+        return Ok(());
+    }
+    let (min, max) = bounds(values);
+    let agrees = |key: &'static str, bound: [f32; 3]| -> Result<bool, AssetError> {
+        let Some(stated) = accessor.json.get(key)? else { return Ok(false) };
+        let Some(stated) = stated.value().as_array() else { return Ok(false) };
+        let stated = stated.iter().map(|value| value.as_f64().map(|x| x as f32));
+        Ok(stated.eq(bound.map(Some)))
+    };
+    if !(agrees("min", min)? && agrees("max", max)?) {
+        let message = "min and max are missing or are not those of the data; they are not used";
+        warnings.push(Warning::new("bounds", accessor.json.place(), message));
+    }
+    Ok(())
+}
+
+/// The least and the largest of each component.
+pub(crate) fn bounds(values: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
+    let mut min = values.first().copied().unwrap_or_default();
+    let mut max = min;
+    for v in values {
+        for k in 0..3 {
+            min[k] = min[k].min(v[k]);
+            max[k] = max[k].max(v[k]);
+        }
+    }
+    (min, max)
+}
+
+fn texture_coordinates(
+    accessor: &Accessor<'_>,
+    budget: &mut Budget,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<Vec<[f32; 2]>>, AssetError> {
+    let uvs = if accessor.lanes == 2 { Some(accessor.floats::<2>(budget)?) } else { None };
+    let uvs = uvs.filter(|uvs| uvs.iter().flatten().all(|c| c.is_finite()));
+    if uvs.is_none() {
+        let message = "the texture coordinates are no pairs of finite numbers; they are left as they are";
+        warnings.push(Warning::new("texcoord", accessor.json.place(), message));
+    }
+    Ok(uvs)
+}

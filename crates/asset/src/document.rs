@@ -1,0 +1,267 @@
+//! A glTF document: its JSON as it was read, and the bytes of its buffers.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::container;
+use crate::error::{AssetError, Place, Warning};
+use crate::json::Json;
+use crate::limits::{Budget, Limits, Of};
+use crate::uri;
+
+/// Required extensions that keep the geometry in a form that is not decoded here.
+const COMPRESSED: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Extensions that may be required: none of them changes where vertices are or how they are stored, except
+/// `KHR_mesh_quantization`, which the accessor views read.
+const UNDERSTOOD: [&str; 12] = [
+    "EXT_lights_image_based",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
+    "KHR_animation_pointer",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_node_visibility",
+    "KHR_techniques_webgl",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "KHR_xmp_json_ld",
+    "MSFT_texture_dds",
+];
+
+/// Every extension of this family is about how surfaces look.
+const MATERIALS: &str = "KHR_materials_";
+
+/// Where the bytes of a buffer come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// The BIN chunk.
+    Bin,
+    /// A data URI.
+    Data,
+    /// A file beside the document.
+    File,
+    /// Added here.
+    New,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Buffer {
+    /// For the BIN chunk with its padding, so that what is added leaves the old chunk a prefix of the new one.
+    pub(crate) bytes: Vec<u8>,
+    /// The declared length, the part of `bytes` that views may refer to.
+    pub(crate) length: usize,
+    pub(crate) source: Source,
+}
+
+/// A glTF 2.0 document, from a `.glb` or a `.gltf` with its buffers, or made anew from meshes.
+///
+/// The JSON is kept as it was read and edited in place: nothing is renumbered, reordered or dropped, so that
+/// whatever is not understood here comes out as it went in.
+#[derive(Clone, Debug)]
+pub struct Gltf {
+    pub(crate) file: String,
+    pub(crate) folder: Option<PathBuf>,
+    pub(crate) json: Value,
+    /// Whether it came as a GLB.
+    pub(crate) binary: bool,
+    pub(crate) buffers: Vec<Buffer>,
+    /// A BIN chunk that no buffer uses.
+    pub(crate) orphan: Option<Vec<u8>>,
+    /// Chunks behind BIN, headers included.
+    pub(crate) chunks: Vec<u8>,
+    pub(crate) limits: Limits,
+    pub(crate) warnings: Vec<Warning>,
+    /// The buffer that takes new data, once there is one.
+    pub(crate) growing: Option<usize>,
+    pub(crate) written: crate::delta::Written,
+}
+
+impl Gltf {
+    /// Reads a `.glb` or a `.gltf` with the buffers it refers to. What the file is, its first bytes say.
+    ///
+    /// # Errors
+    ///
+    /// The file or one of its buffers cannot be read, is malformed, is too large for `limits`, or the document
+    /// requires an extension that is not supported. Geometry is checked where it is read, in [`Gltf::rest`].
+    pub fn read(path: &Path, limits: &Limits) -> Result<Self, AssetError> {
+        let name = path.display().to_string();
+        let mut budget = Budget::new(limits);
+        let folder = path.parent().map(Path::to_path_buf);
+        uri::read_file(path, &mut budget)
+            .and_then(|bytes| Self::parse(&bytes, &name, folder, limits, &mut budget))
+            .map_err(|error| error.in_file(&name))
+    }
+
+    /// Reads a document from memory. `name` stands for it in messages; external buffers are refused.
+    pub fn from_slice(bytes: &[u8], name: &str, limits: &Limits) -> Result<Self, AssetError> {
+        let mut budget = Budget::new(limits);
+        budget
+            .charge(Of::FileBytes, bytes.len() as u64, || Place::File)
+            .and_then(|()| Self::parse(bytes, name, None, limits, &mut budget))
+            .map_err(|error| error.in_file(name))
+    }
+
+    fn parse(
+        bytes: &[u8],
+        name: &str,
+        folder: Option<PathBuf>,
+        limits: &Limits,
+        budget: &mut Budget,
+    ) -> Result<Self, AssetError> {
+        let mut warnings = Vec::new();
+        let binary = bytes.starts_with(&container::MAGIC);
+        let (text, bin, chunks) = if binary {
+            let parts = container::parse(bytes)?;
+            if parts.beyond > 0 {
+                let message = format!("{} bytes follow the end of the file; they are dropped", parts.beyond);
+                warnings.push(Warning::new("trailing-bytes", Place::File, message));
+            }
+            (parts.json, parts.bin.map(<[u8]>::to_vec), parts.rest.to_vec())
+        } else {
+            (bytes, None, Vec::new())
+        };
+        budget.charge(Of::JsonBytes, text.len() as u64, || Place::File)?;
+        let json = parse_json(text)?;
+        let mut gltf = Self {
+            file: name.to_owned(),
+            folder,
+            json,
+            binary,
+            buffers: Vec::new(),
+            orphan: bin,
+            chunks,
+            limits: *limits,
+            warnings,
+            growing: None,
+            written: crate::delta::Written::default(),
+        };
+        check_version(gltf.root())?;
+        check_extensions(gltf.root())?;
+        gltf.load_buffers(budget)?;
+        Ok(gltf)
+    }
+
+    /// The file as it was named when it was read.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// The JSON of the document.
+    pub fn json(&self) -> &Value {
+        &self.json
+    }
+
+    /// What was repaired or dropped when the document was read, or left unrepaired when it was edited.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    pub(crate) fn root(&self) -> Json<'_> {
+        Json::root(&self.json)
+    }
+
+    /// The table `key` of the document, such as `accessors`.
+    pub(crate) fn table<'a>(&'a self, key: &'a str) -> Result<Option<Json<'a>>, AssetError> {
+        let table = self.root().get(key)?;
+        table.map_or(Ok(None), |table| table.array().map(|_| Some(table)))
+    }
+
+    /// How many entries the table `key` has.
+    pub(crate) fn count(&self, key: &str) -> Result<usize, AssetError> {
+        self.table(key)?.map_or(Ok(0), |table| Ok(table.array()?.len()))
+    }
+
+    /// The entry of the table `key` that `reference` names by its index.
+    pub(crate) fn follow<'a>(&'a self, key: &'a str, reference: Json<'_>) -> Result<(usize, Json<'a>), AssetError> {
+        let index = reference.index(key.trim_end_matches('s'), self.count(key)?)?;
+        Ok((index, self.root().need(key)?.item(index)?))
+    }
+
+    /// Whether `extensionsUsed` or `extensionsRequired` names `extension`.
+    pub(crate) fn uses(&self, extension: &str) -> bool {
+        ["extensionsUsed", "extensionsRequired"]
+            .iter()
+            .filter_map(|list| self.json.get(list)?.as_array())
+            .any(|list| list.iter().any(|name| name.as_str() == Some(extension)))
+    }
+
+    fn load_buffers(&mut self, budget: &mut Budget) -> Result<(), AssetError> {
+        let mut bin = self.orphan.take();
+        let mut buffers = Vec::new();
+        if let Some(table) = self.table("buffers")? {
+            for (index, buffer) in table.items()?.enumerate() {
+                let length = buffer.need("byteLength")?.uint()?;
+                let (bytes, source) = match buffer.get("uri")? {
+                    Some(uri) => self.load_uri(uri, budget)?,
+                    None => match bin.take().filter(|_| index == 0) {
+                        Some(bytes) => (bytes, Source::Bin),
+                        None => return Err(buffer.found("no \"uri\"", "a \"uri\", or a BIN chunk for buffer 0")),
+                    },
+                };
+                if length == 0 || length > bytes.len() {
+                    let expected = format!("1 to {}, the bytes there are", bytes.len());
+                    return Err(buffer.need("byteLength")?.fault(expected));
+                }
+                buffers.push(Buffer { bytes, length, source });
+            }
+        }
+        self.buffers = buffers;
+        self.orphan = bin;
+        Ok(())
+    }
+
+    fn load_uri(&self, uri: Json<'_>, budget: &mut Budget) -> Result<(Vec<u8>, Source), AssetError> {
+        match uri::parse(uri.string()?).map_err(|expected| uri.fault(expected))? {
+            uri::Target::Data(_, bytes) => Ok((bytes, Source::Data)),
+            uri::Target::File(relative) => {
+                let folder = self.folder.as_deref().ok_or_else(|| uri.fault("data in the document itself"))?;
+                let bytes = uri::read_below(folder, &relative, budget);
+                bytes.map(|bytes| (bytes, Source::File)).map_err(|mut error| {
+                    error.place = uri.place();
+                    error
+                })
+            }
+        }
+    }
+}
+
+fn parse_json(text: &[u8]) -> Result<Value, AssetError> {
+    // Some writers pad with NUL where the standard asks for spaces.
+    let end = text.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
+    serde_json::from_slice(&text[..end]).map_err(|error| {
+        let place = if error.line() > 0 { Place::Line(error.line()) } else { Place::File };
+        AssetError::new(place, format!("text that is not JSON ({error})"), "a glTF document")
+    })
+}
+
+fn check_version(root: Json<'_>) -> Result<(), AssetError> {
+    let asset = root.need("asset")?;
+    let is_two = |version: &str| version == "2" || version.starts_with("2.");
+    let version = asset.need("version")?;
+    if !is_two(version.string()?) {
+        return Err(version.fault("version 2 of glTF"));
+    }
+    if let Some(least) = asset.get("minVersion")?
+        && !matches!(least.string()?, "2" | "2.0")
+    {
+        return Err(least.fault("at most version 2.0 of glTF"));
+    }
+    Ok(())
+}
+
+fn check_extensions(root: Json<'_>) -> Result<(), AssetError> {
+    let Some(required) = root.get("extensionsRequired")? else { return Ok(()) };
+    for name in required.items()? {
+        let extension = name.string()?;
+        if COMPRESSED.contains(&extension) {
+            let found = format!("the required extension {extension}");
+            return Err(name.found(found, "uncompressed geometry: decode the file first, with gltf-transform for instance"));
+        }
+        if !UNDERSTOOD.contains(&extension) && !extension.starts_with(MATERIALS) {
+            return Err(name.found(format!("the required extension {extension}"), "extensions that are supported"));
+        }
+    }
+    Ok(())
+}

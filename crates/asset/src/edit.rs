@@ -1,0 +1,180 @@
+//! Appending to a document: entries after entries, bytes after bytes. Nothing that is there moves.
+
+use serde_json::{Map, Value, json};
+
+use crate::document::{Buffer, Gltf, Source};
+use crate::error::{AssetError, Place};
+use crate::limits::reserve;
+
+/// `bufferView.target` of vertex data.
+pub(crate) const VERTICES: u32 = 34962;
+/// `bufferView.target` of indices.
+pub(crate) const INDICES: u32 = 34963;
+/// Component types.
+pub(crate) const FLOAT: u32 = 5126;
+
+/// The value at `pointer` is no object or array where one is needed.
+fn misshapen(pointer: impl Into<String>, expected: &str) -> AssetError {
+    AssetError::new(Place::Pointer(pointer.into()), "a value of another kind", expected)
+}
+
+impl Gltf {
+    /// The table `key`, made where it is missing.
+    pub(crate) fn table_mut(&mut self, key: &str) -> Result<&mut Vec<Value>, AssetError> {
+        let root = self.json.as_object_mut().ok_or_else(|| misshapen("", "an object"))?;
+        let table = root.entry(key).or_insert_with(|| json!([]));
+        table.as_array_mut().ok_or_else(|| misshapen(format!("/{key}"), "an array"))
+    }
+
+    /// The object `index` of the table `key`.
+    pub(crate) fn entry_mut(&mut self, key: &str, index: usize) -> Result<&mut Map<String, Value>, AssetError> {
+        let entry = self.table_mut(key)?.get_mut(index).and_then(Value::as_object_mut);
+        entry.ok_or_else(|| misshapen(format!("/{key}/{index}"), "an object"))
+    }
+
+    /// Appends to the table `key` and gives the index.
+    pub(crate) fn append(&mut self, key: &str, value: Value) -> Result<usize, AssetError> {
+        let table = self.table_mut(key)?;
+        table.push(value);
+        Ok(table.len() - 1)
+    }
+
+    /// The primitives of a mesh.
+    pub(crate) fn primitives_mut(&mut self, mesh: usize) -> Result<&mut Vec<Value>, AssetError> {
+        let primitives = self.entry_mut("meshes", mesh)?.get_mut("primitives").and_then(Value::as_array_mut);
+        primitives.ok_or_else(|| misshapen(format!("/meshes/{mesh}/primitives"), "an array"))
+    }
+
+    /// The buffer that takes new data: the BIN chunk, or one that is added.
+    fn growing(&mut self) -> Result<usize, AssetError> {
+        if let Some(index) = self.growing {
+            return Ok(index);
+        }
+        let index = if self.buffers.first().is_some_and(|buffer| buffer.source == Source::Bin) {
+            0
+        } else {
+            let (bytes, source) = match self.orphan.take() {
+                Some(bytes) if self.buffers.is_empty() => (bytes, Source::Bin),
+                orphan => {
+                    self.orphan = orphan;
+                    (Vec::new(), if self.binary && self.buffers.is_empty() { Source::Bin } else { Source::New })
+                }
+            };
+            let length = bytes.len();
+            self.buffers.push(Buffer { bytes, length, source });
+            self.append("buffers", json!({ "byteLength": length }))?
+        };
+        self.growing = Some(index);
+        Ok(index)
+    }
+
+    /// Appends bytes as a buffer view and gives its index.
+    pub(crate) fn append_view(&mut self, bytes: &[u8], target: Option<u32>) -> Result<usize, AssetError> {
+        let index = self.growing()?;
+        let buffer = self.buffers.get_mut(index).ok_or_else(|| misshapen("/buffers", "a buffer"))?;
+        let offset = buffer.bytes.len().div_ceil(4) * 4;
+        let room = offset - buffer.bytes.len() + bytes.len();
+        // Growth is amortised; a failure to allocate is an error, no abort.
+        buffer.bytes.try_reserve(room).map_err(|_| {
+            AssetError::file(format!("{room} more bytes"), "an output that fits into memory")
+                .of_class(crate::ErrorClass::Limit)
+        })?;
+        buffer.bytes.resize(offset, 0);
+        buffer.bytes.extend_from_slice(bytes);
+        buffer.length = buffer.bytes.len();
+        let length = buffer.length;
+        self.entry_mut("buffers", index)?.insert("byteLength".to_owned(), json!(length));
+        let mut view = json!({ "buffer": index, "byteOffset": offset, "byteLength": bytes.len() });
+        if let (Some(target), Some(view)) = (target, view.as_object_mut()) {
+            view.insert("target".to_owned(), json!(target));
+        }
+        self.append("bufferViews", view)
+    }
+
+    /// Appends vertex attributes of `N` floats as a dense accessor and gives its index.
+    pub(crate) fn append_vertices<const N: usize>(
+        &mut self,
+        values: &[[f32; N]],
+        with_bounds: bool,
+    ) -> Result<usize, AssetError> {
+        let view = self.append_view(&bytes_of(values.as_flattened())?, Some(VERTICES))?;
+        let mut accessor = json!({
+            "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": format!("VEC{N}"),
+        });
+        if with_bounds {
+            set_bounds(&mut accessor, values.iter().map(<[f32; N]>::as_slice));
+        }
+        self.append("accessors", accessor)
+    }
+
+    /// Appends scalars for an animation and gives the accessor's index.
+    pub(crate) fn append_scalars(&mut self, values: &[f32], with_bounds: bool) -> Result<usize, AssetError> {
+        let view = self.append_view(&bytes_of(values)?, None)?;
+        let mut accessor =
+            json!({ "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": "SCALAR" });
+        if with_bounds {
+            set_bounds(&mut accessor, values.iter().map(std::slice::from_ref));
+        }
+        self.append("accessors", accessor)
+    }
+
+    /// A copy of a mesh at the end of the table, for nodes that need it changed in another way.
+    pub(crate) fn copy_mesh(&mut self, mesh: usize, nodes: &[usize]) -> Result<usize, AssetError> {
+        let copy = Value::Object(self.entry_mut("meshes", mesh)?.clone());
+        let index = self.append("meshes", copy)?;
+        for &node in nodes {
+            self.entry_mut("nodes", node)?.insert("mesh".to_owned(), json!(index));
+        }
+        Ok(index)
+    }
+
+    /// All nodes that show `mesh`, in any scene or none.
+    pub(crate) fn nodes_of(&self, mesh: usize) -> Vec<usize> {
+        let nodes = self.json.get("nodes").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+        let shows = |node: &Value| node.get("mesh").is_some_and(|value| whole(value) == Some(mesh));
+        nodes.iter().enumerate().filter(|(_, node)| shows(node)).map(|(index, _)| index).collect()
+    }
+}
+
+/// A whole number as [`Json::uint`](crate::json::Json::uint) reads it.
+pub(crate) fn whole(value: &Value) -> Option<usize> {
+    crate::json::Json::root(value).uint().ok()
+}
+
+/// Floats as a file has them.
+pub(crate) fn bytes_of(values: &[f32]) -> Result<Vec<u8>, AssetError> {
+    let mut bytes = reserve(values.len() * 4)?;
+    for value in values {
+        bytes.extend_from_slice(&value.to_le_bytes());
+    }
+    Ok(bytes)
+}
+
+/// Sets `min` and `max`. An `f64` holds each `f32` exactly, and prints so that it is read back exactly.
+pub(crate) fn set_bounds<'a>(accessor: &mut Value, values: impl Iterator<Item = &'a [f32]>) {
+    let (mut min, mut max): (Vec<f32>, Vec<f32>) = (Vec::new(), Vec::new());
+    for value in values {
+        if min.is_empty() {
+            (min, max) = (value.to_vec(), value.to_vec());
+        }
+        for (k, &c) in value.iter().enumerate() {
+            min[k] = min[k].min(c);
+            max[k] = max[k].max(c);
+        }
+    }
+    let numbers = |bound: Vec<f32>| Value::Array(bound.into_iter().map(|c| json!(f64::from(c))).collect());
+    if let Some(accessor) = accessor.as_object_mut() {
+        accessor.insert("min".to_owned(), numbers(min));
+        accessor.insert("max".to_owned(), numbers(max));
+    }
+}
+
+/// Takes compressed copies of the geometry off a primitive: they would contradict what is changed.
+pub(crate) fn drop_compressed(primitive: &mut Map<String, Value>) {
+    if let Some(extensions) = primitive.get_mut("extensions").and_then(Value::as_object_mut) {
+        extensions.shift_remove("KHR_draco_mesh_compression");
+        if extensions.is_empty() {
+            primitive.shift_remove("extensions");
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! glTF and OBJ: checked reading and append-only writing.
+//!
+//! Only this crate knows the two formats. A [`Gltf`] keeps the document as it was read; [`Gltf::rest`] gives what
+//! its scene shows, in world space, as plain arrays; an effect deforms them; [`Rest::to_local`] takes the result
+//! back through nodes and skins; and what is added to the document comes after everything that was there, so that
+//! no index moves and whatever the effect does not touch comes out as it went in.
+//!
+//! Nothing is trusted: ranges, counts and types are checked where they are read, and [`Limits`] before memory is
+//! asked for. No input makes this crate panic.
+
+mod accessor;
+mod attributes;
+mod clip;
+mod container;
+mod delta;
+mod document;
+mod edit;
+mod error;
+mod graph;
+mod json;
+mod limits;
+mod morph;
+mod names;
+mod obj;
+mod output;
+mod primitive;
+mod rest;
+mod save;
+mod scratch;
+mod skin;
+mod still;
+mod uri;
+
+pub use clip::{Clip, WeightTrack};
+pub use document::Gltf;
+pub use error::{AssetError, ErrorClass, Place, Warning, printable};
+pub use limits::Limits;
+pub use morph::{MeshTarget, MorphTarget};
+pub use obj::{Obj, write_obj};
+pub use output::{OutputFile, same_file, write_files};
+pub use primitive::Mode;
+pub use rest::{Block, LocalDeltas, Part, Rest};
+pub use save::Format;
+pub use scratch::NewMesh;

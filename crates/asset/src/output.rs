@@ -1,0 +1,184 @@
+//! Files that are written whole or not at all.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile};
+
+use crate::error::{AssetError, ErrorClass};
+
+/// A file to be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputFile {
+    /// Where.
+    pub path: PathBuf,
+    /// What.
+    pub bytes: Vec<u8>,
+    /// Whether it may replace a file. Copies of files that belong to an input may not replace other files.
+    pub replace: bool,
+}
+
+impl OutputFile {
+    /// A file that replaces what stands at `path`.
+    pub fn new(path: impl Into<PathBuf>, bytes: Vec<u8>) -> Self {
+        Self { path: path.into(), bytes, replace: true }
+    }
+}
+
+/// Writes files, in their order: all are written beside their places and flushed before the first takes its place,
+/// so that a failure leaves what was there before, and nothing else.
+pub fn write_files(files: &[OutputFile]) -> Result<(), AssetError> {
+    let mut made = Vec::new();
+    let result = write_all(files, &mut made);
+    if result.is_err() {
+        // Only folders that are still empty go, the innermost first.
+        made.iter().rev().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
+    result
+}
+
+fn write_all(files: &[OutputFile], made: &mut Vec<PathBuf>) -> Result<(), AssetError> {
+    let mut ready: Vec<(NamedTempFile, PathBuf)> = Vec::with_capacity(files.len());
+    let mut devices = Vec::new();
+    for file in files {
+        let path = resolve(&file.path);
+        let metadata = fs::metadata(&path).ok();
+        if metadata.as_ref().is_some_and(fs::Metadata::is_dir) {
+            return Err(refused(&path, "a folder", "a file, or no file yet"));
+        }
+        if !file.replace && metadata.is_some() {
+            if fs::read(&path).is_ok_and(|there| there == file.bytes) {
+                continue;
+            }
+            return Err(refused(
+                &path,
+                "another file of the name of one that belongs to the input",
+                "none: write a .glb, or into another folder",
+            ));
+        }
+        if metadata.as_ref().is_some_and(|metadata| !metadata.is_file()) {
+            devices.push((path, &file.bytes));
+            continue;
+        }
+        if !file.replace {
+            make_folders(folder_of(&path), made)?;
+        }
+        ready.push((prepare(&path, &file.bytes, metadata.as_ref())?, path));
+    }
+    for (path, bytes) in devices {
+        let written = fs::OpenOptions::new().write(true).open(&path).and_then(|mut file| file.write_all(bytes));
+        written.map_err(|error| AssetError::output(&path, &error, "write"))?;
+    }
+    for (temporary, path) in ready {
+        temporary.persist(&path).map_err(|error| AssetError::output(&path, &error.error, "replace"))?;
+        // The files stand; whether the folder reaches the disk now or later is no failure of theirs.
+        let _ = File::open(folder_of(&path)).and_then(|folder| folder.sync_all());
+    }
+    Ok(())
+}
+
+/// Makes the folders that a copied file stands in, and notes them.
+fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> Result<(), AssetError> {
+    let missing: Vec<&Path> =
+        folder.ancestors().take_while(|a| !a.as_os_str().is_empty() && !a.exists()).collect();
+    for folder in missing.into_iter().rev() {
+        fs::create_dir(folder).map_err(|error| AssetError::output(folder, &error, "make"))?;
+        made.push(folder.to_path_buf());
+    }
+    Ok(())
+}
+
+/// Writes the bytes to a new file in the folder of `path`.
+fn prepare(path: &Path, bytes: &[u8], old: Option<&fs::Metadata>) -> Result<NamedTempFile, AssetError> {
+    let fail = |error: &std::io::Error| AssetError::output(path, error, "write");
+    let folder = folder_of(path);
+    if !folder.is_dir() {
+        return Err(refused(folder, "no such folder", "a folder to write into"));
+    }
+    let mut builder = Builder::new();
+    builder.prefix(".wirework-");
+    #[cfg(unix)]
+    {
+        // As any new file: readable as the user's mask says, not private as temporary files are.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).map_err(|error| fail(&error))?;
+    file.write_all(bytes).and_then(|()| file.flush()).map_err(|error| fail(&error))?;
+    if let Some(old) = old {
+        if old.permissions().readonly() {
+            return Err(refused(path, "a file that is read-only", "one that may be replaced"));
+        }
+        file.as_file().set_permissions(old.permissions()).map_err(|error| fail(&error))?;
+    }
+    file.as_file().sync_all().map_err(|error| fail(&error))?;
+    Ok(file)
+}
+
+/// The file that a path stands for: what a link points to, so that the link stays.
+fn resolve(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn refused(path: &Path, found: &str, expected: &str) -> AssetError {
+    AssetError::file(found, expected).of_class(ErrorClass::Io).in_file(&path.display().to_string())
+}
+
+/// Whether two paths lead to one file, by whatever names and links. A path without a file is no other's file.
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    same_file::is_same_file(a, b).unwrap_or(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failure_leaves_everything_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("a.bin"), "old").unwrap();
+        fs::create_dir(at("b.gltf")).unwrap();
+        let files = [OutputFile::new(at("a.bin"), b"new".to_vec()), OutputFile::new(at("b.gltf"), b"new".to_vec())];
+        let error = write_files(&files).unwrap_err();
+        assert_eq!(error.class, ErrorClass::Io);
+        assert_eq!(fs::read(at("a.bin")).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "no temporary file stays");
+        assert!(write_files(&[OutputFile::new(at("none/a.bin"), Vec::new())]).is_err());
+    }
+
+    #[test]
+    fn files_are_replaced_and_foreign_ones_are_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        write_files(&[OutputFile::new(&path, b"1".to_vec())]).unwrap();
+        write_files(&[OutputFile::new(&path, b"2".to_vec())]).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"2");
+        let copy = |bytes: &[u8]| [OutputFile { path: path.clone(), bytes: bytes.to_vec(), replace: false }];
+        write_files(&copy(b"2")).unwrap();
+        assert!(write_files(&copy(b"3")).is_err());
+        assert_eq!(fs::read(&path).unwrap(), b"2");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_lead_to_their_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("a"), "x").unwrap();
+        fs::write(at("other"), "x").unwrap();
+        fs::hard_link(at("a"), at("hard")).unwrap();
+        std::os::unix::fs::symlink(at("a"), at("soft")).unwrap();
+        assert!(same_file(&at("a"), &at("hard")) && same_file(&at("a"), &at("soft")));
+        assert!(same_file(&at("a"), &folder.path().join("../").join(folder.path().file_name().unwrap()).join("a")));
+        assert!(!same_file(&at("a"), &at("other")) && !same_file(&at("a"), &at("none")));
+        write_files(&[OutputFile::new(at("soft"), b"new".to_vec())]).unwrap();
+        assert!(fs::symlink_metadata(at("soft")).unwrap().is_symlink());
+        assert_eq!(fs::read(at("a")).unwrap(), b"new");
+    }
+}

@@ -1,0 +1,112 @@
+//! Topology of a primitive: which of its vertices make triangles.
+
+use crate::document::Gltf;
+use crate::error::{AssetError, Warning};
+use crate::json::Json;
+use crate::limits::{Budget, Of, reserve};
+
+/// What the vertices of a primitive are joined to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Single points.
+    Points,
+    /// Separate segments.
+    Lines,
+    /// A closed line.
+    LineLoop,
+    /// An open line.
+    LineStrip,
+    /// Separate triangles, the default.
+    Triangles,
+    /// Triangles of three successive vertices each.
+    TriangleStrip,
+    /// Triangles about the first vertex.
+    TriangleFan,
+}
+
+impl Mode {
+    pub(crate) fn read(primitive: Json<'_>) -> Result<Self, AssetError> {
+        let Some(mode) = primitive.get("mode")? else { return Ok(Self::Triangles) };
+        Ok(match mode.uint()? {
+            0 => Self::Points,
+            1 => Self::Lines,
+            2 => Self::LineLoop,
+            3 => Self::LineStrip,
+            4 => Self::Triangles,
+            5 => Self::TriangleStrip,
+            6 => Self::TriangleFan,
+            _ => return Err(mode.fault("a mode from 0 to 6")),
+        })
+    }
+}
+
+impl Gltf {
+    /// The triangles of a primitive with `count` vertices, counter-clockwise; none for points and lines. Triangles
+    /// that name a vertex twice are left out.
+    pub(crate) fn triangles(
+        &self,
+        primitive: Json<'_>,
+        count: usize,
+        budget: &mut Budget,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Vec<[u32; 3]>, AssetError> {
+        let mode = Mode::read(primitive)?;
+        let indices = self.indices(primitive, count, budget)?;
+        let length = indices.as_ref().map_or(count, Vec::len);
+        let at = |i: usize| indices.as_ref().map_or(i as u32, |indices| indices[i]);
+        let triangle = |a: usize, b: usize, c: usize| [at(a), at(b), at(c)];
+        let number = match mode {
+            Mode::Triangles => length / 3,
+            Mode::TriangleStrip | Mode::TriangleFan => length.saturating_sub(2),
+            _ => 0,
+        };
+        if mode == Mode::Triangles && !length.is_multiple_of(3) {
+            let message = format!("{length} corners are no whole number of triangles; the last ones are left out");
+            warnings.push(Warning::new("corners", primitive.place(), message));
+        }
+        budget.charge(Of::ExpandedBytes, number as u64 * 12, || primitive.place())?;
+        let mut out = reserve(number)?;
+        let all = (0..number).map(|i| match mode {
+            Mode::TriangleStrip => triangle(i, i + 1 + i % 2, i + 2 - i % 2),
+            Mode::TriangleFan => triangle(i + 1, i + 2, 0),
+            _ => triangle(3 * i, 3 * i + 1, 3 * i + 2),
+        });
+        out.extend(all.filter(|[a, b, c]| a != b && b != c && c != a));
+        if mode == Mode::Triangles && out.len() < number {
+            let message = format!("{} triangles name a vertex twice; they are left out", number - out.len());
+            warnings.push(Warning::new("zero-area", primitive.place(), message));
+        }
+        Ok(out)
+    }
+
+    /// The indices of a primitive, all of them below `count`; none where it has no list of them.
+    fn indices(&self, primitive: Json<'_>, count: usize, budget: &mut Budget) -> Result<Option<Vec<u32>>, AssetError> {
+        let Some(reference) = primitive.get("indices")? else {
+            budget.charge(Of::Indices, count as u64, || primitive.place())?;
+            return Ok(None);
+        };
+        let accessor = self.accessor(reference)?;
+        let restart = match accessor.component.size() {
+            _ if accessor.normalized || accessor.lanes != 1 => None,
+            1 => Some(u32::from(u8::MAX)),
+            2 => Some(u32::from(u16::MAX)),
+            _ => Some(u32::MAX),
+        };
+        let unsigned = matches!(
+            accessor.component,
+            crate::accessor::Component::U8 | crate::accessor::Component::U16 | crate::accessor::Component::U32
+        );
+        let Some(restart) = restart.filter(|_| unsigned) else {
+            return Err(accessor.json.found("an accessor of another type", "indices: unsigned scalars"));
+        };
+        budget.charge(Of::Indices, accessor.count as u64, || accessor.json.place())?;
+        let indices: Vec<u32> = accessor.uints::<1>(budget)?.into_iter().map(|[i]| i).collect();
+        if let Some(k) = indices.iter().position(|&i| i as usize >= count || i == restart) {
+            return Err(accessor.json.found(
+                format!("index {} at element {k}", indices[k]),
+                format!("indices below {count}, the number of vertices"),
+            ));
+        }
+        Ok(Some(indices))
+    }
+}

@@ -1,0 +1,392 @@
+//! The rest geometry of a document: what its scene shows before the effect, in world space, and the way back from
+//! the world to the space of each mesh.
+
+use std::collections::BTreeMap;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::attributes::{self, Local};
+use crate::document::Gltf;
+use crate::error::{AssetError, Warning};
+use crate::graph::{Graph, floats};
+use crate::json::Json;
+use crate::limits::{Budget, Of, reserve};
+use crate::primitive::Mode;
+use crate::skin;
+
+/// Everything the scene of a document shows, as one set of vertices in world space.
+///
+/// A mesh that several nodes show is there once a node.
+#[derive(Clone, Debug, Default)]
+pub struct Rest {
+    /// World positions of all vertices, one [`Block`] after the other.
+    pub positions: Vec<[f32; 3]>,
+    /// All triangles, indices into `positions`, counter-clockwise seen from outside; part after part.
+    pub triangles: Vec<[u32; 3]>,
+    /// The runs of vertices.
+    pub blocks: Vec<Block>,
+    /// The primitives that are shown: nodes as the scene lists them, primitives as their mesh lists them.
+    pub parts: Vec<Part>,
+    /// What was repaired on the way, or could not be.
+    pub warnings: Vec<Warning>,
+}
+
+/// A run of vertices of one node. Primitives of a mesh that share their attributes share a block.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// The node that shows it.
+    pub node: usize,
+    /// That node's mesh.
+    pub mesh: usize,
+    /// The first of its vertices.
+    pub first: usize,
+    /// How many there are, at least 1.
+    pub count: usize,
+    /// Unit normals in world space, if the input has normals.
+    pub normals: Option<Vec<[f32; 3]>>,
+    /// The first set of texture coordinates, if the input has one.
+    pub uvs: Option<Vec<[f32; 2]>>,
+    /// Normals in the mesh's space, morphs applied.
+    local_normals: Option<Vec<[f32; 3]>>,
+    frame: Frame,
+}
+
+/// One primitive as a node shows it.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The node that shows it.
+    pub node: usize,
+    /// That node's mesh.
+    pub mesh: usize,
+    /// The primitive within the mesh.
+    pub primitive: usize,
+    /// Its material, if it has one.
+    pub material: Option<usize>,
+    /// What its vertices are joined to.
+    pub mode: Mode,
+    /// Its vertices: an index into [`Rest::blocks`].
+    pub block: usize,
+    /// The first of its triangles in [`Rest::triangles`].
+    pub first_triangle: usize,
+    /// How many triangles it has.
+    pub triangle_count: usize,
+}
+
+/// The linear parts of the transforms of a block.
+#[derive(Clone, Debug)]
+enum Frame {
+    Node(Way),
+    Skin(Vec<Way>),
+}
+
+/// From the world back to a mesh; nothing for a singular transform.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    /// Takes displacements back.
+    inverse: Option<DMat3>,
+    /// Takes normals back, but for their length: the transpose of the linear part.
+    transpose: DMat3,
+}
+
+/// Displacements of a block in the space of its mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LocalDeltas {
+    /// What to add to each position of the mesh, exactly 0 where the world position is that of the rest.
+    pub positions: Vec<[f32; 3]>,
+    /// What to add to each normal; none where the block has no normals.
+    pub normals: Option<Vec<[f32; 3]>>,
+    /// How many vertices should have moved but cannot, because their transform is singular.
+    pub stuck: usize,
+}
+
+impl Way {
+    fn new(matrix: &DAffine3) -> Self {
+        Self { inverse: skin::inverse(matrix), transpose: matrix.matrix3.transpose() }
+    }
+
+    /// A normal of the mesh in the world, where the inverse is `inverse`.
+    fn normal(&self, n: [f32; 3]) -> [f32; 3] {
+        let local = DVec3::from_array(n.map(f64::from));
+        let world = self.inverse.map_or(local, |inverse| inverse.transpose() * local);
+        single(world.normalize_or_zero())
+    }
+}
+
+fn single(v: DVec3) -> [f32; 3] {
+    v.to_array().map(|c| c as f32)
+}
+
+impl Gltf {
+    /// Reads the rest geometry of the document's scene: the one that `scene` names, else the first, else all nodes.
+    ///
+    /// Positions are those of the rest: node transforms applied, skins as their joint nodes pose them (a skinned
+    /// mesh ignores the transform of its own node), morph targets by the default weights of node or mesh.
+    ///
+    /// # Errors
+    ///
+    /// What is read here and malformed or larger than the limits; a scene without any vertex.
+    pub fn rest(&self) -> Result<Rest, AssetError> {
+        self.read_rest().map_err(|error| error.in_file(&self.file))
+    }
+
+    fn read_rest(&self) -> Result<Rest, AssetError> {
+        let mut budget = Budget::new(&self.limits);
+        let mut rest = Rest::default();
+        let graph = self.graph(&mut budget, &mut rest.warnings)?;
+        let mut skins = BTreeMap::new();
+        for &node in &graph.shown {
+            self.check_instancing(node, &mut rest.warnings)?;
+            let Some(mesh) = graph.nodes[node].mesh else { continue };
+            let joints = match graph.nodes[node].skin {
+                None => None,
+                Some(index) => {
+                    if !skins.contains_key(&index) {
+                        let json = self.root().need("skins")?.item(index)?;
+                        let matrices = skin::joint_matrices(self, json, &graph, &mut budget, &mut rest.warnings)?;
+                        skins.insert(index, matrices);
+                    }
+                    skins.get(&index).map(Vec::as_slice)
+                }
+            };
+            let shown = Shown { gltf: self, graph: &graph, node, mesh, joints };
+            shown.read(&mut rest, &mut budget)?;
+        }
+        if rest.positions.is_empty() {
+            return Err(AssetError::file("a scene without any vertex", "geometry"));
+        }
+        merge_warnings(&mut rest.warnings);
+        Ok(rest)
+    }
+
+    fn check_instancing(&self, node: usize, warnings: &mut Vec<Warning>) -> Result<(), AssetError> {
+        const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+        let json = self.root().need("nodes")?.item(node)?;
+        if json.value().get("extensions").is_some_and(|extensions| extensions.get(INSTANCING).is_some()) {
+            let message = format!("{INSTANCING} is not evaluated: the mesh is read where its node is");
+            warnings.push(Warning::new("instancing", json.place(), message));
+        }
+        Ok(())
+    }
+}
+
+/// The same repair at the same place need not be told once an instance.
+fn merge_warnings(warnings: &mut Vec<Warning>) {
+    let mut seen = std::collections::BTreeSet::new();
+    warnings.retain(|warning| seen.insert(warning.to_string()));
+}
+
+/// A node that shows a mesh.
+struct Shown<'a> {
+    gltf: &'a Gltf,
+    graph: &'a Graph,
+    node: usize,
+    mesh: usize,
+    joints: Option<&'a [DAffine3]>,
+}
+
+impl Shown<'_> {
+    fn read(&self, rest: &mut Rest, budget: &mut Budget) -> Result<(), AssetError> {
+        let mesh = self.gltf.root().need("meshes")?.item(self.mesh)?;
+        let primitives = mesh.need("primitives")?;
+        let count = primitives.array()?.len();
+        budget.charge(Of::Primitives, count as u64, || primitives.place())?;
+        let targets = attributes::target_count(primitives)?;
+        let weights = self.weights(mesh, targets)?;
+        let mut blocks: BTreeMap<Vec<(String, usize)>, usize> = BTreeMap::new();
+        for (index, primitive) in primitives.items()?.enumerate() {
+            let list = attributes::check(self.gltf, primitive)?;
+            if !list.iter().any(|(key, _)| key == "POSITION") {
+                let message = "the primitive has no positions; it is passed over";
+                rest.warnings.push(Warning::new("positions-missing", primitive.place(), message));
+                continue;
+            }
+            let block = if let Some(&block) = blocks.get(&list) {
+                block
+            } else {
+                self.block(primitive, &weights, rest, budget)?;
+                blocks.insert(list, rest.blocks.len() - 1);
+                rest.blocks.len() - 1
+            };
+            self.part(index, primitive, block, rest, budget)?;
+        }
+        Ok(())
+    }
+
+    /// The default weight of each morph target.
+    fn weights(&self, mesh: Json<'_>, targets: usize) -> Result<Vec<f64>, AssetError> {
+        let own = self.graph.nodes[self.node].weights.clone();
+        let (weights, place) = match (own, mesh.get("weights")?) {
+            (Some(own), _) => (own, self.gltf.root().need("nodes")?.item(self.node)?.need("weights")?),
+            (None, Some(json)) => (floats(json)?, json),
+            (None, None) => return Ok(vec![0.0; targets]),
+        };
+        if weights.len() != targets {
+            return Err(place.found(format!("{} weights", weights.len()), format!("{targets}, one a morph target")));
+        }
+        Ok(weights)
+    }
+
+    /// Reads the vertices of a primitive as a new block.
+    fn block(
+        &self,
+        primitive: Json<'_>,
+        weights: &[f64],
+        rest: &mut Rest,
+        budget: &mut Budget,
+    ) -> Result<(), AssetError> {
+        let local = Local::read(self.gltf, primitive, weights, budget, &mut rest.warnings)?;
+        let count = local.positions.len();
+        budget.charge(Of::Vertices, count as u64, || primitive.place())?;
+        let attributes = primitive.need("attributes")?;
+        let bytes = count as u64 * if self.joints.is_some() { size_of::<Way>() as u64 + 36 } else { 36 };
+        budget.charge(Of::ExpandedBytes, bytes, || primitive.place())?;
+        let node = &self.graph.world[self.node];
+        let skinned = match self.joints {
+            None => None,
+            Some(joints) => {
+                let warnings = &mut rest.warnings;
+                Some(skin::vertex_matrices(self.gltf, attributes, count, joints, budget, warnings)?)
+            }
+        };
+        let first = rest.positions.len();
+        rest.positions.try_reserve(count).map_err(|_| primitive.found("too many vertices", "fewer"))?;
+        for (v, p) in local.positions.iter().enumerate() {
+            let matrix = skinned.as_ref().map_or(node, |matrices| &matrices[v]);
+            let world = single(matrix.transform_point3(DVec3::from_array(p.map(f64::from))));
+            if world.iter().any(|c| !c.is_finite()) {
+                return Err(attributes.need("POSITION")?.found("a vertex beyond the range of floats", "finite vertices"));
+            }
+            rest.positions.push(world);
+        }
+        let frame = match &skinned {
+            None => Frame::Node(Way::new(node)),
+            Some(matrices) => {
+                let mut ways = reserve(count)?;
+                ways.extend(matrices.iter().map(Way::new));
+                Frame::Skin(ways)
+            }
+        };
+        let normals = local.normals.as_ref().map(|normals| {
+            normals.iter().enumerate().map(|(v, &n)| frame.way(v).normal(n)).collect()
+        });
+        if normals.is_none() && Mode::read(primitive)? as u8 >= Mode::Triangles as u8 {
+            let message = "there are no normals; they are computed where they are needed";
+            rest.warnings.push(Warning::new("normals-missing", attributes.place(), message));
+        }
+        rest.blocks.push(Block {
+            node: self.node,
+            mesh: self.mesh,
+            first,
+            count,
+            normals,
+            uvs: local.uvs,
+            local_normals: local.normals,
+            frame,
+        });
+        Ok(())
+    }
+
+    fn part(
+        &self,
+        index: usize,
+        primitive: Json<'_>,
+        block: usize,
+        rest: &mut Rest,
+        budget: &mut Budget,
+    ) -> Result<(), AssetError> {
+        let (first, count) = (rest.blocks[block].first, rest.blocks[block].count);
+        let mut triangles = self.gltf.triangles(primitive, count, budget, &mut rest.warnings)?;
+        let mirrored = rest.blocks[block].frame.mirrored();
+        for triangle in &mut triangles {
+            for corner in triangle.iter_mut() {
+                *corner += first as u32;
+            }
+            if mirrored {
+                triangle.swap(1, 2);
+            }
+        }
+        let material = primitive.get("material")?.map(|m| self.gltf.follow("materials", m)).transpose()?;
+        rest.parts.push(Part {
+            node: self.node,
+            mesh: self.mesh,
+            primitive: index,
+            material: material.map(|(index, _)| index),
+            mode: Mode::read(primitive)?,
+            block,
+            first_triangle: rest.triangles.len(),
+            triangle_count: triangles.len(),
+        });
+        rest.triangles.append(&mut triangles);
+        Ok(())
+    }
+}
+
+impl Frame {
+    fn way(&self, vertex: usize) -> &Way {
+        match self {
+            Self::Node(way) => way,
+            Self::Skin(ways) => &ways[vertex],
+        }
+    }
+
+    /// Whether most of it turns right-handed into left-handed, which turns triangles round.
+    fn mirrored(&self) -> bool {
+        let sign = |way: &Way| way.transpose.determinant().partial_cmp(&0.0).map_or(0, |order| order as i64);
+        match self {
+            Self::Node(way) => sign(way) < 0,
+            Self::Skin(ways) => ways.iter().map(sign).sum::<i64>() < 0,
+        }
+    }
+}
+
+impl Rest {
+    /// Takes the deformed state of the vertices of `block` back to the space of its mesh.
+    ///
+    /// `positions` and `normals` are those of *all* vertices, as long as [`Rest::positions`], in world space. What
+    /// equals the rest, bit for bit, gets deltas of exactly 0; elsewhere position + delta, taken through node or
+    /// skin, is the deformed position, and normal + delta, of length 1, points along the deformed normal.
+    pub fn to_local(&self, block: usize, positions: &[[f32; 3]], normals: Option<&[[f32; 3]]>) -> LocalDeltas {
+        let mut out = LocalDeltas::default();
+        let Some(b) = self.blocks.get(block) else { return out };
+        let range = b.first..b.first + b.count;
+        let (Some(rest), Some(now)) = (self.positions.get(range.clone()), positions.get(range.clone())) else {
+            return out;
+        };
+        out.positions.reserve_exact(b.count);
+        for (v, (p, q)) in rest.iter().zip(now).enumerate() {
+            let delta = DVec3::from_array(q.map(f64::from)) - DVec3::from_array(p.map(f64::from));
+            let local = match b.frame.way(v).inverse {
+                _ if delta == DVec3::ZERO => DVec3::ZERO,
+                Some(inverse) => inverse * delta,
+                None => {
+                    out.stuck += 1;
+                    DVec3::ZERO
+                }
+            };
+            out.positions.push(clean(single(local)));
+        }
+        if let (Some(rest), Some(base), Some(now)) =
+            (&b.normals, &b.local_normals, normals.and_then(|normals| normals.get(range)))
+        {
+            let deltas = rest.iter().zip(base).zip(now).enumerate();
+            out.normals = Some(deltas.map(|(v, ((n, base), now))| b.normal_delta(v, *n, *base, *now)).collect());
+        }
+        out
+    }
+}
+
+impl Block {
+    fn normal_delta(&self, v: usize, rest: [f32; 3], base: [f32; 3], now: [f32; 3]) -> [f32; 3] {
+        let way = self.frame.way(v);
+        let target = (way.transpose * DVec3::from_array(now.map(f64::from))).normalize_or_zero();
+        if rest == now || way.inverse.is_none() || target == DVec3::ZERO {
+            return [0.0; 3];
+        }
+        clean(single(target - DVec3::from_array(base.map(f64::from))))
+    }
+}
+
+/// Turns `−0` into `0` and what is not finite into 0, so that equal deltas have equal bits.
+fn clean(v: [f32; 3]) -> [f32; 3] {
+    v.map(|c| if c.is_finite() { c + 0.0 } else { 0.0 })
+}

@@ -1,0 +1,233 @@
+//! A document as files: one `.glb`, or a `.gltf` with what belongs to it.
+
+use std::path::{Path, PathBuf};
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use serde_json::{Value, json};
+
+use crate::container;
+use crate::document::{Gltf, Source};
+use crate::edit::whole;
+use crate::error::AssetError;
+use crate::limits::Budget;
+use crate::output::OutputFile;
+use crate::uri;
+
+/// What a URI may hold as it is.
+const ESCAPED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'_').remove(b'.').remove(b'~');
+
+/// Extensions of buffer views that refer to buffers of their own.
+const VIEW_EXTENSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// The two forms of a glTF document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// One binary file.
+    Glb,
+    /// JSON with files beside it.
+    Gltf,
+}
+
+impl Format {
+    /// The format that the extension of a path names.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?;
+        match () {
+            () if extension.eq_ignore_ascii_case("glb") => Some(Self::Glb),
+            () if extension.eq_ignore_ascii_case("gltf") => Some(Self::Gltf),
+            () => None,
+        }
+    }
+}
+
+impl Gltf {
+    /// The files of the document when it is written to `out`, in the order in which to write them.
+    ///
+    /// What was added is in the BIN chunk of a `.glb`, behind the old data, or in a `.bin` of its own beside a
+    /// `.gltf`. A `.gltf` that becomes a `.glb` takes its buffers and images into one chunk; a `.glb` that becomes a
+    /// `.gltf` leaves its chunk in a `.bin`. Files that the document refers to are copied where the folder differs.
+    pub fn files(&self, out: &Path, format: Format) -> Result<Vec<OutputFile>, AssetError> {
+        let files = match format {
+            Format::Glb => self.glb_files(out),
+            Format::Gltf => self.gltf_files(out),
+        };
+        files.map_err(|error| error.in_file(&self.file))
+    }
+
+    /// The document as one GLB, with all buffers and images in it.
+    pub fn to_glb(&self) -> Result<Vec<u8>, AssetError> {
+        let (json, bin) = self.embedded();
+        to_glb(&json, bin.as_deref(), &self.chunks).map_err(|error| error.in_file(&self.file))
+    }
+
+    fn glb_files(&self, out: &Path) -> Result<Vec<OutputFile>, AssetError> {
+        let keeps = self.binary && self.buffers.first().is_none_or(|buffer| buffer.source == Source::Bin);
+        if !keeps {
+            return Ok(vec![OutputFile::new(out, self.to_glb()?)]);
+        }
+        let bin = self.buffers.first().map(|buffer| buffer.bytes.as_slice()).or(self.orphan.as_deref());
+        let mut files = self.copies(out);
+        files.push(OutputFile::new(out, to_glb(&self.json, bin, &self.chunks)?));
+        Ok(files)
+    }
+
+    fn gltf_files(&self, out: &Path) -> Result<Vec<OutputFile>, AssetError> {
+        let mut json = self.json.clone();
+        let mut files = self.copies(out);
+        let stem = out.file_stem().map_or_else(|| "out".to_owned(), |stem| stem.to_string_lossy().into_owned());
+        let taken: Vec<PathBuf> = self.references().into_iter().map(|(path, _)| path).collect();
+        for (index, buffer) in self.buffers.iter().enumerate() {
+            let stem = match buffer.source {
+                Source::Bin => stem.clone(),
+                Source::New => format!("{stem}_wirework"),
+                Source::Data | Source::File => continue,
+            };
+            let numbered = (2_usize..).map(|n| format!("{stem}_{n}.bin"));
+            let mut names = std::iter::once(format!("{stem}.bin")).chain(numbered);
+            let name = names.find(|name| !taken.contains(&PathBuf::from(name))).unwrap_or_default();
+            if let Some(entry) = json.pointer_mut(&format!("/buffers/{index}")).and_then(Value::as_object_mut) {
+                entry.insert("uri".to_owned(), json!(utf8_percent_encode(&name, ESCAPED).to_string()));
+            }
+            files.push(OutputFile::new(out.with_file_name(name), buffer.bytes[..buffer.length].to_vec()));
+        }
+        let mut text = serde_json::to_vec_pretty(&json).map_err(|error| AssetError::file(error.to_string(), "JSON"))?;
+        text.push(b'\n');
+        files.push(OutputFile::new(out, text));
+        Ok(files)
+    }
+
+    /// The files below the input's folder that the document refers to: their paths and the images among them.
+    fn references(&self) -> Vec<(PathBuf, Option<usize>)> {
+        let mut out = Vec::new();
+        let mut add = |value: &Value, image| {
+            if let Some(Ok(uri::Target::File(path))) = value.get("uri").and_then(Value::as_str).map(uri::parse) {
+                out.push((path, image));
+            }
+        };
+        self.list("buffers").iter().for_each(|buffer| add(buffer, None));
+        self.list("images").iter().enumerate().for_each(|(index, image)| add(image, Some(index)));
+        out
+    }
+
+    /// Copies of those files, where `out` is in another folder. One that cannot be read is left out: an image that
+    /// is missing was missing before.
+    fn copies(&self, out: &Path) -> Vec<OutputFile> {
+        let Some(from) = self.folder.as_deref() else { return Vec::new() };
+        let to = out.parent().unwrap_or(Path::new(""));
+        let canonical = |folder: &Path| if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.canonicalize();
+        if let (Ok(from), Ok(to)) = (canonical(from), canonical(to))
+            && from == to
+        {
+            return Vec::new();
+        }
+        let mut budget = Budget::new(&self.limits);
+        let mut files: Vec<OutputFile> = Vec::new();
+        for (relative, _) in self.references() {
+            let path = to.join(&relative);
+            if files.iter().any(|file| file.path == path) {
+                continue;
+            }
+            if let Ok(bytes) = uri::read_below(from, &relative, &mut budget) {
+                files.push(OutputFile { path, bytes, replace: false });
+            }
+        }
+        files
+    }
+
+    /// The JSON with all buffers and images in one chunk, and that chunk.
+    fn embedded(&self) -> (Value, Option<Vec<u8>>) {
+        let mut json = self.json.clone();
+        let mut bin = self.orphan.clone().unwrap_or_default();
+        let align = |bin: &mut Vec<u8>| {
+            bin.resize(bin.len().div_ceil(4) * 4, 0);
+            bin.len()
+        };
+        let mut starts = Vec::with_capacity(self.buffers.len());
+        for buffer in &self.buffers {
+            starts.push(align(&mut bin));
+            bin.extend_from_slice(&buffer.bytes[..buffer.length]);
+        }
+        if starts.len() > 1 || starts.first().is_some_and(|&start| start > 0) {
+            for view in json.get_mut("bufferViews").and_then(Value::as_array_mut).into_iter().flatten() {
+                move_view(view, &starts);
+                for extension in VIEW_EXTENSIONS {
+                    if let Some(view) = view.get_mut("extensions").and_then(|extensions| extensions.get_mut(extension)) {
+                        move_view(view, &starts);
+                    }
+                }
+            }
+        }
+        let mut budget = Budget::new(&self.limits);
+        for index in 0..self.list("images").len() {
+            let Some((media, bytes)) = self.image(index, &mut budget) else { continue };
+            let offset = align(&mut bin);
+            bin.extend_from_slice(&bytes);
+            let view = push(&mut json, "bufferViews", json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }));
+            if let Some(image) = json.pointer_mut(&format!("/images/{index}")).and_then(Value::as_object_mut) {
+                image.shift_remove("uri");
+                image.insert("mimeType".to_owned(), json!(media));
+                image.insert("bufferView".to_owned(), json!(view));
+            }
+        }
+        if bin.is_empty() {
+            return (json, None);
+        }
+        let mut first = self.list("buffers").first().and_then(Value::as_object).cloned().unwrap_or_default();
+        first.shift_remove("uri");
+        first.insert("byteLength".to_owned(), json!(bin.len()));
+        json["buffers"] = json!([first]);
+        (json, Some(bin))
+    }
+
+    /// An image that is not in a buffer view yet, and its media type. None where it cannot be taken in: it then
+    /// stays as it is.
+    fn image(&self, index: usize, budget: &mut Budget) -> Option<(String, Vec<u8>)> {
+        let image = self.list("images").get(index)?;
+        let (stated, bytes) = match uri::parse(image.get("uri")?.as_str()?).ok()? {
+            uri::Target::Data(media, bytes) => (media, bytes),
+            uri::Target::File(path) => (None, uri::read_below(self.folder.as_deref()?, &path, budget).ok()?),
+        };
+        let own = image.get("mimeType").and_then(Value::as_str).map(str::to_owned);
+        let media = media_type(&bytes).map(str::to_owned).or(own).or(stated)?;
+        (!bytes.is_empty()).then_some((media, bytes))
+    }
+}
+
+/// Lets a view refer to the one buffer.
+fn move_view(view: &mut Value, starts: &[usize]) {
+    let Some(start) = view.get("buffer").and_then(whole).and_then(|buffer| starts.get(buffer)) else { return };
+    let offset = view.get("byteOffset").and_then(whole).unwrap_or(0);
+    if let Some(view) = view.as_object_mut() {
+        view.insert("buffer".to_owned(), json!(0));
+        if *start > 0 {
+            view.insert("byteOffset".to_owned(), json!(offset + start));
+        }
+    }
+}
+
+fn push(json: &mut Value, key: &str, value: Value) -> usize {
+    let Some(root) = json.as_object_mut() else { return 0 };
+    match root.entry(key).or_insert_with(|| json!([])).as_array_mut() {
+        Some(table) => {
+            table.push(value);
+            table.len() - 1
+        }
+        None => 0,
+    }
+}
+
+/// The media type that the first bytes of an image say.
+fn media_type(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
+        [0xff, 0xd8, 0xff, ..] => Some("image/jpeg"),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some("image/webp"),
+        [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => Some("image/ktx2"),
+        _ => None,
+    }
+}
+
+fn to_glb(json: &Value, bin: Option<&[u8]>, chunks: &[u8]) -> Result<Vec<u8>, AssetError> {
+    let text = serde_json::to_vec(json).map_err(|error| AssetError::file(error.to_string(), "JSON"))?;
+    container::assemble(&text, bin, chunks)
+}

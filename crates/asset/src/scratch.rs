@@ -1,0 +1,131 @@
+//! New documents, for objects that come from no glTF file.
+
+use serde_json::json;
+
+use crate::document::{Buffer, Gltf, Source};
+use crate::edit::INDICES;
+use crate::error::AssetError;
+use crate::limits::Limits;
+
+/// A mesh for a new document, as a renderer has it: one entry a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct NewMesh<'a> {
+    /// The name of its node and its mesh.
+    pub name: &'a str,
+    /// Positions; at least one, all finite.
+    pub positions: &'a [[f32; 3]],
+    /// Unit normals, as many as positions.
+    pub normals: Option<&'a [[f32; 3]]>,
+    /// Texture coordinates as glTF has them, `v` downwards, as many as positions.
+    pub uvs: Option<&'a [[f32; 2]]>,
+    /// Indices into the positions, counter-clockwise seen from outside; without any the mesh is a set of points.
+    pub triangles: &'a [[u32; 3]],
+}
+
+impl Gltf {
+    /// A document with one node and one mesh for each of `meshes`, in their order, the vertices in theirs.
+    ///
+    /// `name` stands for the document in messages.
+    ///
+    /// # Errors
+    ///
+    /// A mesh without vertices, lists of unequal length, numbers that are not finite, indices out of range.
+    pub fn from_meshes(name: &str, meshes: &[NewMesh<'_>]) -> Result<Self, AssetError> {
+        let generator = concat!("wirework ", env!("CARGO_PKG_VERSION"));
+        let mut gltf = Self {
+            file: name.to_owned(),
+            folder: None,
+            json: json!({
+                "asset": { "version": "2.0", "generator": generator },
+                "scene": 0,
+                "scenes": [{ "nodes": (0..meshes.len()).collect::<Vec<_>>() }],
+                "nodes": [],
+                "meshes": [],
+            }),
+            binary: true,
+            buffers: Vec::new(),
+            orphan: None,
+            chunks: Vec::new(),
+            limits: Limits::default(),
+            warnings: Vec::new(),
+            growing: None,
+            written: crate::delta::Written::default(),
+        };
+        if meshes.iter().any(|mesh| !mesh.triangles.is_empty()) {
+            // Not metallic, which is what a glTF material is without these lines, and seen from both sides, for
+            // grids and garments have borders.
+            let material = json!({
+                "name": "plain",
+                "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 0.8 },
+                "doubleSided": true,
+            });
+            gltf.append("materials", material)?;
+        }
+        gltf.json["buffers"] = json!([{ "byteLength": 0 }]);
+        gltf.buffers.push(Buffer { bytes: Vec::new(), length: 0, source: Source::Bin });
+        for mesh in meshes {
+            gltf.append_mesh(mesh).map_err(|error| error.in_file(name))?;
+        }
+        Ok(gltf)
+    }
+
+    fn append_mesh(&mut self, mesh: &NewMesh<'_>) -> Result<(), AssetError> {
+        check(mesh)?;
+        let mut attributes = json!({ "POSITION": self.append_vertices(mesh.positions, true)? });
+        if let Some(normals) = mesh.normals {
+            attributes["NORMAL"] = json!(self.append_vertices(normals, false)?);
+        }
+        if let Some(uvs) = mesh.uvs {
+            attributes["TEXCOORD_0"] = json!(self.append_vertices(uvs, false)?);
+        }
+        let mut primitive = json!({ "attributes": attributes });
+        if mesh.triangles.is_empty() {
+            primitive["mode"] = json!(0);
+        } else {
+            primitive["indices"] = json!(self.append_indices(mesh)?);
+            primitive["material"] = json!(0);
+        }
+        let index = self.append("meshes", json!({ "name": mesh.name, "primitives": [primitive] }))?;
+        self.append("nodes", json!({ "name": mesh.name, "mesh": index }))?;
+        Ok(())
+    }
+
+    fn append_indices(&mut self, mesh: &NewMesh<'_>) -> Result<usize, AssetError> {
+        let flat = mesh.triangles.as_flattened();
+        // 65 535 is no index of 16 bits: it restarts primitives.
+        let short = mesh.positions.len() <= usize::from(u16::MAX);
+        let mut bytes = crate::limits::reserve(flat.len() * if short { 2 } else { 4 })?;
+        for &index in flat {
+            bytes.extend_from_slice(&index.to_le_bytes()[..if short { 2 } else { 4 }]);
+        }
+        let view = self.append_view(&bytes, Some(INDICES))?;
+        let kind = if short { 5123 } else { 5125 };
+        let accessor = json!({ "bufferView": view, "componentType": kind, "count": flat.len(), "type": "SCALAR" });
+        self.append("accessors", accessor)
+    }
+}
+
+fn check(mesh: &NewMesh<'_>) -> Result<(), AssetError> {
+    let count = mesh.positions.len();
+    let fault = |found: String, expected: &str| {
+        Err(AssetError::file(format!("{found} in the mesh {:?}", mesh.name), expected))
+    };
+    if count == 0 || count > u32::MAX as usize {
+        return fault(format!("{count} vertices"), "1 to 4 294 967 295");
+    }
+    for (what, length) in [("normals", mesh.normals.map(<[_]>::len)), ("uvs", mesh.uvs.map(<[_]>::len))] {
+        if length.is_some_and(|length| length != count) {
+            return fault(format!("{} {what} for {count} vertices", length.unwrap_or(0)), "as many");
+        }
+    }
+    let vectors = mesh.positions.iter().chain(mesh.normals.unwrap_or(&[]));
+    let numbers = vectors.flatten().chain(mesh.uvs.unwrap_or(&[]).as_flattened());
+    if numbers.into_iter().any(|c| !c.is_finite()) {
+        return fault("a number that is not finite".to_owned(), "finite numbers");
+    }
+    if let Some(index) = mesh.triangles.as_flattened().iter().find(|&&index| index as usize >= count) {
+        return fault(format!("the index {index}"), "indices of vertices");
+    }
+    Ok(())
+}
+

@@ -1,0 +1,138 @@
+//! A deformed state as the document's own geometry, without a clip.
+
+use serde_json::{Value, json};
+
+use crate::attributes::vectors;
+use crate::document::Gltf;
+use crate::edit::drop_compressed;
+use crate::error::{AssetError, Place};
+use crate::limits::Budget;
+use crate::rest::{LocalDeltas, Rest};
+
+/// What a node's primitives become: for each the displacements of its vertices, none where nothing moves.
+type Change = Vec<Option<LocalDeltas>>;
+
+impl Gltf {
+    /// Makes the deformed state of all vertices, in world space, the geometry of the document. Vertex counts and
+    /// orders stay; what did not move keeps its accessors. Gives the number of vertices that should have moved but
+    /// cannot, because their transform is singular.
+    ///
+    /// `normals` is as long as `positions`; without it normals stay as they are.
+    pub fn set_still(
+        &mut self,
+        rest: &Rest,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+    ) -> Result<usize, AssetError> {
+        let file = self.file.clone();
+        self.write_still(rest, positions, normals).map_err(|error| error.in_file(&file))
+    }
+
+    fn write_still(
+        &mut self,
+        rest: &Rest,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+    ) -> Result<usize, AssetError> {
+        let deltas: Vec<LocalDeltas> =
+            (0..rest.blocks.len()).map(|block| rest.to_local(block, positions, normals)).collect();
+        let mut meshes: Vec<(usize, Vec<(usize, Change)>)> = Vec::new();
+        for part in &rest.parts {
+            let at = meshes.iter().position(|(mesh, _)| *mesh == part.mesh).unwrap_or_else(|| {
+                meshes.push((part.mesh, Vec::new()));
+                meshes.len() - 1
+            });
+            let nodes = &mut meshes[at].1;
+            if nodes.last().is_none_or(|(node, _)| *node != part.node) {
+                nodes.push((part.node, Change::new()));
+            }
+            if let Some((_, change)) = nodes.last_mut() {
+                change.resize(change.len().max(part.primitive + 1), None);
+                change[part.primitive] = deltas.get(part.block).filter(|deltas| deltas.moves()).cloned();
+            }
+        }
+        for (mesh, nodes) in meshes {
+            self.change_mesh(mesh, nodes)?;
+        }
+        Ok(deltas.iter().map(|deltas| deltas.stuck).sum())
+    }
+
+    /// Changes a mesh as its nodes need it; nodes that need it otherwise get copies.
+    fn change_mesh(&mut self, mesh: usize, nodes: Vec<(usize, Change)>) -> Result<(), AssetError> {
+        let mut groups: Vec<(Change, Vec<usize>)> = Vec::new();
+        for (node, change) in nodes {
+            if change.iter().all(Option::is_none) {
+                continue;
+            }
+            match groups.iter_mut().find(|(known, _)| *known == change) {
+                Some((_, list)) => list.push(node),
+                None => groups.push((change, vec![node])),
+            }
+        }
+        let moved: usize = groups.iter().map(|(_, nodes)| nodes.len()).sum();
+        let mut original_is_free = moved == self.nodes_of(mesh).len();
+        let mut targets = Vec::new();
+        for (_, nodes) in &groups {
+            targets.push(if original_is_free { mesh } else { self.copy_mesh(mesh, nodes)? });
+            original_is_free = false;
+        }
+        for ((change, _), mesh) in groups.iter().zip(targets) {
+            self.change_primitives(mesh, change)?;
+        }
+        Ok(())
+    }
+
+    fn change_primitives(&mut self, mesh: usize, change: &Change) -> Result<(), AssetError> {
+        let mut written: Vec<(usize, &LocalDeltas, usize)> = Vec::new();
+        for (index, deltas) in change.iter().enumerate() {
+            let Some(deltas) = deltas else { continue };
+            let bases = [("POSITION", Some(&deltas.positions)), ("NORMAL", deltas.normals.as_ref())];
+            for (key, values) in bases {
+                let Some(values) = values else { continue };
+                let (base, base_index) = self.base(mesh, index, key)?;
+                let known = written.iter().find(|(of, known, _)| *of == base_index && *known == deltas);
+                let accessor = if let Some((_, _, accessor)) = known {
+                    *accessor
+                } else {
+                    let sum: Vec<[f32; 3]> = base.iter().zip(values).map(|(b, d)| add(*b, *d)).collect();
+                    let accessor = self.append_vertices(&sum, key == "POSITION")?;
+                    written.push((base_index, deltas, accessor));
+                    accessor
+                };
+                let primitive = self.primitives_mut(mesh)?.get_mut(index).and_then(Value::as_object_mut);
+                let Some(primitive) = primitive else { continue };
+                drop_compressed(primitive);
+                if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
+                    attributes.insert(key.to_owned(), json!(accessor));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The values that a primitive has now, and the accessor they are in.
+    fn base(&self, mesh: usize, primitive: usize, key: &'static str) -> Result<(Vec<[f32; 3]>, usize), AssetError> {
+        let json = self.root().need("meshes")?.item(mesh)?.need("primitives")?.item(primitive)?;
+        let accessor = vectors(self, json.need("attributes")?.need(key)?)?;
+        Ok((accessor.floats::<3>(&mut Budget::new(&self.limits))?, accessor.index))
+    }
+}
+
+impl LocalDeltas {
+    /// Whether anything differs from the rest.
+    pub fn moves(&self) -> bool {
+        let still = |deltas: &Vec<[f32; 3]>| deltas.iter().all(|d| *d == [0.0; 3]);
+        !still(&self.positions) || !self.normals.as_ref().is_none_or(still)
+    }
+}
+
+fn add(base: [f32; 3], delta: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|k| if delta[k] == 0.0 { base[k] } else { base[k] + delta[k] })
+}
+
+impl Gltf {
+    /// Adds to the warnings of the document.
+    pub fn warn(&mut self, code: &'static str, message: impl Into<String>) {
+        self.warnings.push(crate::Warning::new(code, Place::File, message));
+    }
+}

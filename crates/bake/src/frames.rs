@@ -1,0 +1,297 @@
+//! One morph target a frame, played one after the other by weights of 1 and 0, linear in between.
+
+use std::collections::BTreeMap;
+
+use thiserror::Error;
+use wirework_asset::{AssetError, Clip, Gltf, MeshTarget, MorphTarget, Rest, WeightTrack, printable};
+
+/// How frames become morph targets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Bake {
+    /// The fewest targets that keep the tolerance; at present one a frame.
+    #[default]
+    Auto,
+    /// One target a frame, exact.
+    Frames,
+}
+
+/// How to bake.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Default [`Bake::Auto`].
+    pub bake: Bake,
+    /// The most targets that a mesh may have, its own and ours. Default 240: with 256 or more a mesh is not drawn on
+    /// part of the phones, or refused.
+    pub max_targets: usize,
+    /// Where the clip goes. Default a new one of the name `wirework`, or of the first free one of `wirework_2`, …
+    pub clip: Option<Clip>,
+    /// What the names of targets start with; the number of the frame follows. Letters, digits, `-` and `_`; whatever
+    /// else there is becomes `_`, for engines treat `:`, `/` and `.` in names as their own. Default `wirework`.
+    pub prefix: String,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { bake: Bake::Auto, max_targets: 240, clip: None, prefix: "wirework".to_owned() }
+    }
+}
+
+/// Why frames cannot be baked.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BakeError {
+    /// The document cannot be edited.
+    #[error(transparent)]
+    Asset(#[from] AssetError),
+    /// A mesh would need more targets than are allowed.
+    #[error("the mesh {mesh} needs more than {limit} morph targets ({own} are its own): {fit} of ours fit, which is \
+             until frame {frame} at {seconds} s; lower the frame rate, bake fewer frames or raise the limit")]
+    TooManyTargets {
+        /// The name of the mesh or its index, control characters escaped.
+        mesh: String,
+        /// The limit.
+        limit: usize,
+        /// How many targets the mesh has of its own.
+        own: usize,
+        /// How many of ours fit.
+        fit: usize,
+        /// The first frame that does not fit, from 0.
+        frame: usize,
+        /// Its time.
+        seconds: f64,
+    },
+    /// A frame has another number of vertices than the rest.
+    #[error("frame {frame} has {found} vertices, the rest {expected}")]
+    VertexCount {
+        /// Which frame, from 0.
+        frame: usize,
+        /// Vertices of the frame.
+        found: usize,
+        /// Vertices of the rest.
+        expected: usize,
+    },
+    /// A deformed vertex or the time of a frame is not a finite number, or times do not rise.
+    #[error("frame {frame} {problem}")]
+    Frame {
+        /// Which frame, from 0.
+        frame: usize,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+}
+
+/// What was baked.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// The document with targets and clip.
+    pub gltf: Gltf,
+    /// How many targets were added, over all meshes; a mesh that is copied counts again.
+    pub targets: usize,
+    /// How many nodes move. With 0 the document is as it was.
+    pub nodes: usize,
+    /// Vertices that should have moved but cannot, because their transform is singular.
+    pub stuck: usize,
+}
+
+/// Takes frames one after the other.
+#[derive(Debug)]
+pub struct Baker<'a> {
+    gltf: Gltf,
+    rest: &'a Rest,
+    settings: Settings,
+    times: Vec<f32>,
+    nodes: Vec<NodeTrack>,
+    stuck: usize,
+}
+
+/// What becomes of one node.
+#[derive(Debug)]
+struct NodeTrack {
+    node: usize,
+    mesh: usize,
+    /// How many targets the mesh has of its own.
+    own: usize,
+    /// For each primitive its block of vertices.
+    blocks: Vec<usize>,
+    targets: Vec<MeshTarget>,
+    /// Which target has this content.
+    known: BTreeMap<Vec<MorphTarget>, usize>,
+    /// For each frame its target; none where it equals the rest.
+    frames: Vec<Option<usize>>,
+}
+
+impl<'a> Baker<'a> {
+    /// A baker for the geometry `rest` of `gltf`.
+    pub fn new(gltf: Gltf, rest: &'a Rest, settings: Settings) -> Self {
+        let mut nodes: Vec<NodeTrack> = Vec::new();
+        for part in &rest.parts {
+            if nodes.last().is_none_or(|track| track.node != part.node) {
+                nodes.push(NodeTrack {
+                    node: part.node,
+                    mesh: part.mesh,
+                    own: gltf.target_count(part.mesh),
+                    blocks: Vec::new(),
+                    targets: Vec::new(),
+                    known: BTreeMap::new(),
+                    frames: Vec::new(),
+                });
+            }
+            if let Some(track) = nodes.last_mut() {
+                track.blocks.push(part.block);
+            }
+        }
+        Self { gltf, rest, settings, times: Vec::new(), nodes, stuck: 0 }
+    }
+
+    /// Takes the next frame: its time in seconds, and positions and normals of all vertices in world space, as long
+    /// as [`Rest::positions`]. A normal matters only where the input has normals; what equals [`Block::normals`],
+    /// bit for bit, stays as it is.
+    ///
+    /// [`Block::normals`]: wirework_asset::Block::normals
+    pub fn push(&mut self, time: f64, positions: &[[f32; 3]], normals: Option<&[[f32; 3]]>) -> Result<(), BakeError> {
+        self.check(time, positions, normals)?;
+        let mut done: BTreeMap<usize, Option<MorphTarget>> = BTreeMap::new();
+        for index in 0..self.nodes.len() {
+            let blocks = self.nodes[index].blocks.clone();
+            let mut content = Vec::with_capacity(blocks.len());
+            for &block in &blocks {
+                if !done.contains_key(&block) {
+                    let target = self.block(block, positions, normals)?;
+                    done.insert(block, target);
+                }
+                content.push(done.get(&block).copied().flatten());
+            }
+            let target = if content.iter().all(Option::is_none) {
+                None
+            } else {
+                let mut filled = Vec::with_capacity(blocks.len());
+                for (&block, target) in blocks.iter().zip(content) {
+                    filled.push(target.map_or_else(|| self.zero(block), Ok)?);
+                }
+                Some(self.target(index, filled, time)?)
+            };
+            self.nodes[index].frames.push(target);
+        }
+        self.times.push(time as f32);
+        Ok(())
+    }
+
+    fn check(&self, time: f64, positions: &[[f32; 3]], normals: Option<&[[f32; 3]]>) -> Result<(), BakeError> {
+        let (frame, expected) = (self.times.len(), self.rest.positions.len());
+        for found in [Some(positions.len()), normals.map(<[_]>::len)].into_iter().flatten() {
+            if found != expected {
+                return Err(BakeError::VertexCount { frame, found, expected });
+            }
+        }
+        let fault = |problem| Err(BakeError::Frame { frame, problem });
+        let seconds = time as f32;
+        if !(seconds.is_finite() && seconds >= 0.0 && self.times.last().is_none_or(|&last| last < seconds)) {
+            return fault("does not come after the one before it, or before second 0");
+        }
+        let finite = |v: &[f32; 3]| v.iter().all(|c| c.is_finite());
+        if !positions.iter().chain(normals.unwrap_or(&[])).all(finite) {
+            return fault("has a vertex that is not finite");
+        }
+        Ok(())
+    }
+
+    /// The displacements of a block, written; none where nothing moves.
+    fn block(
+        &mut self,
+        block: usize,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+    ) -> Result<Option<MorphTarget>, BakeError> {
+        let deltas = self.rest.to_local(block, positions, normals);
+        self.stuck = self.stuck.max(deltas.stuck);
+        if !deltas.moves() {
+            return Ok(None);
+        }
+        let position = self.gltf.append_deltas(&deltas.positions, true)?;
+        let normal = deltas.normals.map(|normals| self.gltf.append_deltas(&normals, false)).transpose()?;
+        Ok(Some(MorphTarget { position, normal: self.with_normal(block, normal)? }))
+    }
+
+    /// The target of a block that does not move.
+    fn zero(&mut self, block: usize) -> Result<MorphTarget, BakeError> {
+        let count = self.rest.blocks.get(block).map_or(0, |block| block.count);
+        let position = self.gltf.append_deltas(&vec![[0.0; 3]; count], true)?;
+        Ok(MorphTarget { position, normal: self.with_normal(block, None)? })
+    }
+
+    /// The normals of a target: zeros where the primitive has normals and the frame none.
+    fn with_normal(&mut self, block: usize, normal: Option<usize>) -> Result<Option<usize>, BakeError> {
+        let block = self.rest.blocks.get(block);
+        match (normal, block.filter(|block| block.normals.is_some())) {
+            (None, Some(block)) => Ok(Some(self.gltf.append_deltas(&vec![[0.0; 3]; block.count], false)?)),
+            _ => Ok(normal),
+        }
+    }
+
+    /// The target of a node with this content: a new one, unless an earlier frame was the same.
+    fn target(&mut self, index: usize, content: Vec<MorphTarget>, time: f64) -> Result<usize, BakeError> {
+        let frame = self.times.len();
+        let track = &mut self.nodes[index];
+        if let Some(&known) = track.known.get(&content) {
+            return Ok(known);
+        }
+        let count = track.targets.len();
+        if track.own + count >= self.settings.max_targets {
+            let name = self.gltf.mesh_name(track.mesh);
+            return Err(BakeError::TooManyTargets {
+                mesh: name.map_or_else(|| track.mesh.to_string(), |name| format!("\"{}\"", printable(name))),
+                limit: self.settings.max_targets,
+                own: track.own,
+                fit: count,
+                frame,
+                seconds: time,
+            });
+        }
+        let name = format!("{}_f{frame:04}", plain(&self.settings.prefix));
+        track.targets.push(MeshTarget { name, primitives: content.clone() });
+        track.known.insert(content, count);
+        Ok(count)
+    }
+
+    /// Adds targets and clip to the document.
+    pub fn finish(self) -> Result<Baked, BakeError> {
+        let Self { mut gltf, settings, times, nodes, stuck, .. } = self;
+        let mut meshes: Vec<usize> = nodes.iter().map(|track| track.mesh).collect();
+        meshes.sort_unstable();
+        meshes.dedup();
+        for mesh in meshes {
+            let tracks = nodes.iter().filter(|track| track.mesh == mesh);
+            let targets: Vec<(usize, &[MeshTarget])> =
+                tracks.map(|track| (track.node, track.targets.as_slice())).collect();
+            gltf.add_targets_by_node(mesh, &targets)?;
+        }
+        let moving: Vec<&NodeTrack> = nodes.iter().filter(|track| !track.targets.is_empty()).collect();
+        let tracks: Vec<WeightTrack> = moving.iter().map(|track| track.weights(&gltf)).collect();
+        let clip = settings.clip.unwrap_or_else(|| Clip::New(gltf.unused_clip_name("wirework")));
+        gltf.add_clip(&clip, &times, &tracks)?;
+        let targets = moving.iter().map(|track| track.targets.len()).sum();
+        if stuck > 0 {
+            gltf.warn("singular", format!("{stuck} vertices stay where they are: their transform has no inverse"));
+        }
+        Ok(Baked { gltf, targets, nodes: moving.len(), stuck })
+    }
+}
+
+impl NodeTrack {
+    /// At each frame the weights of the mesh's own targets as they are by default, then ours: a single 1, or none.
+    fn weights(&self, gltf: &Gltf) -> WeightTrack {
+        let own = gltf.default_weights(self.node);
+        let mut weights = Vec::with_capacity(self.frames.len() * (self.own + self.targets.len()));
+        for frame in &self.frames {
+            weights.extend(own.iter().take(self.own));
+            weights.extend((0..self.targets.len()).map(|k| if Some(k) == *frame { 1.0 } else { 0.0 }));
+        }
+        WeightTrack { node: self.node, weights }
+    }
+}
+
+/// The text with all but letters, digits, `-` and `_` replaced.
+fn plain(text: &str) -> String {
+    text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
+}

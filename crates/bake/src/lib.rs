@@ -1,0 +1,13 @@
+//! Frames of a deformation as glTF morph targets and a clip that plays them.
+//!
+//! A [`Baker`] takes the deformed state of all vertices frame after frame and writes what differs from the rest at
+//! once, so that no more is kept than what the file will hold. [`Baker::finish`] then adds targets, weights and clip
+//! to the document.
+//!
+//! One target a frame is exact, and as large as the motion is long; frames that are equal share a target, and a frame
+//! that equals the rest has none. Key poses and bases are other ways to the same clip and have their place in
+//! [`Bake`].
+
+mod frames;
+
+pub use frames::{Bake, BakeError, Baked, Baker, Settings};

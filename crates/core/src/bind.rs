@@ -1,0 +1,286 @@
+//! Binding and deforming: [SF98] §2, "computed once", and §6, "must be recalculated only if the reference curve is changed".
+
+use std::cell::RefCell;
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::arclength::ArcLength;
+use crate::attributes::{largest_radius, same_influence};
+use crate::blend::{self, Sums};
+use crate::cells::Cells;
+use crate::closest::Pieces;
+use crate::frame::Frame;
+use crate::kernel::{Displacements, RunPoints, displace};
+use crate::runs::{Runs, StoredFoot, find_feet};
+use crate::spans::Spans;
+use crate::tiles::{TILE, Tile, Tiles, ball};
+use crate::wire::WireError;
+use crate::{Blend, Wire, spans};
+
+/// A wire whose radius grows beyond what its points were bound for is bound anew for so much more, lest a steady growth
+/// bind in every frame.
+const REACH_SLACK: f32 = 1.25;
+
+/// Why points cannot be bound or deformed.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BindError {
+    /// A wire has a value outside its range.
+    #[error("wire {wire}: {error}")]
+    Wire {
+        /// Which wire, from 0.
+        wire: usize,
+        /// What is wrong with it.
+        error: WireError,
+    },
+    /// More points than 32 bits count.
+    #[error("{0} points are more than 2³² − 1")]
+    TooManyPoints(usize),
+    /// The wires given are not as many as were bound.
+    #[error("{bound} wires were bound, {found} are given")]
+    WireCount {
+        /// Wires that were bound.
+        bound: usize,
+        /// Wires given.
+        found: usize,
+    },
+    /// The buffer does not hold as many points as were bound.
+    #[error("{bound} points were bound, the buffer holds {found}")]
+    PointCount {
+        /// Points that were bound.
+        bound: usize,
+        /// Length of the buffer.
+        found: usize,
+    },
+}
+
+/// Points bound to wires: for every wire the points in its reach, their feet and influences.
+///
+/// Made once; [`Binding::deform_into`] then follows the wires at little cost.
+#[derive(Clone, Debug)]
+pub struct Binding {
+    tiles: Tiles,
+    wires: Vec<BoundWire>,
+    /// About one over the size of the scene, a power of two.
+    unit: f32,
+}
+
+/// One wire's part of a binding.
+#[derive(Clone, Debug)]
+struct BoundWire {
+    /// The state the points were bound in.
+    wire: Wire,
+    /// Feet were sought up to this distance.
+    reach: f32,
+    spans: Spans,
+    lengths: ArcLength,
+    cells: Cells,
+    runs: Runs,
+    /// Kept only in a group, where the nearest wire is chosen again when one of them moves.
+    feet: Vec<StoredFoot>,
+    frame: Frame,
+}
+
+thread_local! {
+    /// Grows to what the busiest tile needs and stays, so that a frame allocates nothing.
+    static SCRATCH: RefCell<(Vec<Displacements>, Option<Box<Sums>>)> = const { RefCell::new((Vec::new(), None)) };
+}
+
+impl Binding {
+    /// Binds `points` (any number, in any order) to the reference curves of `wires`.
+    ///
+    /// A point with a coordinate that is NaN or infinite is bound to nothing and stays what it is. Uses rayon's
+    /// current pool; the result does not depend on its size.
+    pub fn new(wires: &[Wire], points: &[[f32; 3]]) -> Result<Self, BindError> {
+        check(wires)?;
+        if u32::try_from(points.len()).is_err() {
+            return Err(BindError::TooManyPoints(points.len()));
+        }
+        let tiles = Tiles::new(points);
+        let whole = ball(points.iter().map(|p| spans::to_dvec3(*p))).map_or(0.0, |(_, radius)| radius);
+        let unit = if whole > 0.0 { (-whole.log2().round()).exp2() as f32 } else { 1.0 };
+        let mut binding = Self { tiles, wires: Vec::new(), unit };
+        for index in 0..wires.len() {
+            let bound = BoundWire::new(&wires[index], group_radius(wires, index), &binding.tiles);
+            binding.wires.push(bound);
+        }
+        for index in 0..wires.len() {
+            binding.sort_runs(index);
+        }
+        Ok(binding)
+    }
+
+    /// Number of points bound.
+    pub fn point_count(&self) -> usize {
+        self.tiles.count
+    }
+
+    /// Number of pairs of a point and a wire that reaches it.
+    pub fn pair_count(&self) -> usize {
+        self.wires.iter().map(|w| w.runs.index.len()).sum()
+    }
+
+    /// Deforms the bound points by the present state of `wires` into `out`: [SF98] §2 for each wire, §4 for all.
+    ///
+    /// `wires` are those that were bound, with whatever pose and attributes they have now. A wire whose reference moved,
+    /// whose locators changed place or whose radius grew beyond its bound reach is bound anew, the others are not.
+    /// Otherwise nothing is allocated after the first call. Points that no wire moves keep their bits.
+    pub fn deform_into(
+        &mut self,
+        wires: &[Wire],
+        blend: &Blend,
+        out: &mut [[f32; 3]],
+    ) -> Result<(), BindError> {
+        check(wires)?;
+        if wires.len() != self.wires.len() {
+            return Err(BindError::WireCount { bound: self.wires.len(), found: wires.len() });
+        }
+        if out.len() != self.tiles.count {
+            return Err(BindError::PointCount { bound: self.tiles.count, found: out.len() });
+        }
+        self.update(wires);
+        for (bound, wire) in self.wires.iter_mut().zip(wires) {
+            bound.frame.build(wire, &bound.spans, &bound.lengths, &bound.cells);
+        }
+        let (bound, unit) = (&self.wires, self.unit);
+        let work = |(index, (tile, out)): (usize, (&Tile, &mut [[f32; 3]]))| {
+            pulp::Arch::new().dispatch(|| deform_tile(bound, wires, blend, unit, index, tile, out));
+        };
+        if rayon::current_num_threads() == 1 {
+            self.tiles.tiles.iter().zip(out.chunks_mut(TILE)).enumerate().for_each(work);
+        } else {
+            self.tiles.tiles.par_iter().zip(out.par_chunks_mut(TILE)).enumerate().for_each(work);
+        }
+        Ok(())
+    }
+
+    /// Rebinds what has to be.
+    fn update(&mut self, wires: &[Wire]) {
+        for index in 0..wires.len() {
+            let (wire, bound) = (&wires[index], &self.wires[index]);
+            let radius = group_radius(wires, index);
+            let places = |w: &Wire, i: usize| w.locators.get(i).map(|l| l.u);
+            let moved = bound.wire.reference != wire.reference
+                || bound.wire.group != wire.group
+                || bound.wire.locators.len() != wire.locators.len()
+                || (0..wire.locators.len()).any(|i| places(wire, i) != places(&bound.wire, i));
+            if moved || radius > bound.reach {
+                let reach = if moved { radius } else { radius * REACH_SLACK };
+                let old_group = bound.wire.group;
+                self.wires[index] = BoundWire::new(wire, reach, &self.tiles);
+                for other in 0..wires.len() {
+                    let group = self.wires[other].wire.group;
+                    if other == index || (group.is_some() && (group == wire.group || group == old_group)) {
+                        self.sort_runs(other);
+                    }
+                }
+            } else if !same_influence(&bound.wire, wire) {
+                let bound = &mut self.wires[index];
+                bound.wire.clone_from(wire);
+                bound.runs.measure(wire, &bound.spans, &bound.cells);
+            }
+        }
+    }
+
+    /// Makes the runs of a wire from its feet; in a group only of points that are nearest to this wire.
+    fn sort_runs(&mut self, index: usize) {
+        let bound = &self.wires[index];
+        let group = bound.wire.group;
+        let rivals = |&(other, w): &(usize, &BoundWire)| other != index && group.is_some() && w.wire.group == group;
+        let rivals: Vec<(usize, &BoundWire)> = self.wires.iter().enumerate().filter(rivals).collect();
+        let acts = |i: usize| {
+            let own = bound.feet[i].distance;
+            rivals.iter().all(|(other, rival)| {
+                let theirs = rival.feet[i].distance;
+                own < theirs || (own == theirs && index < *other)
+            })
+        };
+        let runs = Runs::new(&bound.wire, &bound.spans, &bound.cells, &bound.feet, &acts);
+        let bound = &mut self.wires[index];
+        bound.runs = runs;
+        if group.is_none() {
+            bound.feet = Vec::new();
+        }
+    }
+}
+
+impl BoundWire {
+    fn new(wire: &Wire, reach: f32, tiles: &Tiles) -> Self {
+        let spans = Spans::new(&wire.reference);
+        let pieces = Pieces::new(&spans);
+        let feet = find_feet(&pieces, tiles, f64::from(reach));
+        Self {
+            cells: Cells::new(wire, &spans),
+            lengths: ArcLength::new(&spans),
+            wire: wire.clone(),
+            reach,
+            spans,
+            runs: Runs::default(),
+            feet,
+            frame: Frame::default(),
+        }
+    }
+}
+
+fn check(wires: &[Wire]) -> Result<(), BindError> {
+    let fault = |(wire, w): (usize, &Wire)| w.check().err().map(|error| BindError::Wire { wire, error });
+    wires.iter().enumerate().find_map(fault).map_or(Ok(()), Err)
+}
+
+/// How far a wire's feet matter: its own reach, and in a group that of all, since the nearest wire keeps the others off.
+fn group_radius(wires: &[Wire], index: usize) -> f32 {
+    let wire = &wires[index];
+    let same = |w: &&Wire| wire.group.is_some() && w.group == wire.group;
+    wires.iter().filter(same).chain([wire]).map(largest_radius).fold(0.0, f32::max)
+}
+
+#[inline(always)]
+fn deform_tile(
+    bound: &[BoundWire],
+    wires: &[Wire],
+    blend: &Blend,
+    unit: f32,
+    index: usize,
+    tile: &Tile,
+    out: &mut [[f32; 3]],
+) {
+    SCRATCH.with_borrow_mut(|(displacements, sums)| {
+        let mut used = 0;
+        for (bound, wire) in bound.iter().zip(wires) {
+            let runs = bound.runs.of_tile(index);
+            // A wire that has not moved still anchors its surroundings in the local blend.
+            if runs.is_empty() || (bound.frame.still && blend.localize == 0.0) {
+                continue;
+            }
+            if displacements.len() == used {
+                displacements.push(Displacements::new());
+            }
+            let out = &mut displacements[used];
+            out.clear();
+            out.exponent = wire.exponent.unwrap_or(blend.exponent);
+            used += 1;
+            for run in runs {
+                let cell = &bound.frame.cells[run.cell as usize];
+                let range = run.start as usize..run.end as usize;
+                let points = RunPoints {
+                    index: &bound.runs.index[range.clone()],
+                    t: &bound.runs.t[range.clone()],
+                    influence: &bound.runs.influence[range],
+                };
+                if !cell.still {
+                    displace(tile, &bound.frame, cell, points, out);
+                } else if blend.localize != 0.0 {
+                    for (&k, &f) in points.index.iter().zip(points.influence) {
+                        out.influence[k as usize & (TILE - 1)] = f;
+                    }
+                }
+            }
+        }
+        let used = &mut displacements[..used];
+        if used.len() > 1 {
+            sums.get_or_insert_with(|| Box::new(Sums::new())).combine(used, blend, unit);
+        }
+        blend::write(tile, used.first(), out);
+    });
+}

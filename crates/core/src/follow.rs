@@ -1,0 +1,354 @@
+//! Which place of `W` belongs to a place of `R`, and how far the frame has turned there: what
+//! [`Correspondence::ArcLength`](crate::Correspondence::ArcLength) and [`Bend::Transport`](crate::Bend::Transport)
+//! need beyond the curves' own polynomials.
+//!
+//! Both are functions of one variable, the place along `R`, smooth between the joints of `R` and the places that
+//! belong to joints of `W`. Once a frame each becomes a table of cubics between such breaks; points look it up.
+//! A place is counted in segments: `span + t`.
+
+use glam::DVec3;
+
+use crate::arclength::ArcLength;
+use crate::rotation::{Traveller, continued_vector, least_rotation};
+use crate::spans::Spans;
+
+/// The table of places is refined until it is right to this part of a segment at the middles of its pieces.
+const PLACE_TOLERANCE: f64 = 1e-8;
+
+/// A piece of the table of places is halved at most this often, at a standstill of a curve.
+const PLACE_DEPTH: u32 = 12;
+
+/// Pieces between two breaks that the table of turns starts with, at least as many as the differences at the ends span.
+const FEWEST_TURN_PIECES: usize = 8;
+
+/// The pieces are doubled at most to this number, at a cusp.
+const MOST_TURN_PIECES: usize = 1024;
+
+/// Radians by which the table from every other node may miss the nodes between; from all nodes, and by the fourth order
+/// of its error, it misses by a sixteenth.
+const TURN_TOLERANCE: f64 = 3e-6;
+
+/// A place within this of a joint of `W`, in segments, is the joint: a corner's mean tangent holds there.
+const JOINT: f64 = 1e-6;
+
+/// Cubics in `x − start`, by rising start.
+#[derive(Clone, Debug)]
+struct Table<V> {
+    starts: Vec<f64>,
+    cubics: Vec<[V; 4]>,
+}
+
+impl<V> Default for Table<V> {
+    fn default() -> Self {
+        Self { starts: Vec::new(), cubics: Vec::new() }
+    }
+}
+
+impl<V: Copy> Table<V> {
+    fn clear(&mut self) {
+        self.starts.clear();
+        self.cubics.clear();
+    }
+
+    fn push(&mut self, start: f64, cubic: [V; 4]) {
+        self.starts.push(start);
+        self.cubics.push(cubic);
+    }
+
+    #[inline]
+    fn find(&self, x: f64) -> ([V; 4], f64) {
+        let i = self.starts.partition_point(|&s| s <= x).max(1) - 1;
+        (self.cubics[i], x - self.starts[i])
+    }
+}
+
+/// The cubic with these values and slopes at 0 and `h`.
+fn hermite<V>(h: f64, a: V, slope_a: V, b: V, slope_b: V) -> [V; 4]
+where
+    V: Copy + std::ops::Add<Output = V> + std::ops::Sub<Output = V> + std::ops::Mul<f64, Output = V>,
+{
+    let secant = (b - a) * (1.0 / h);
+    [
+        a,
+        slope_a,
+        (secant * 3.0 - slope_a * 2.0 - slope_b) * (1.0 / h),
+        (slope_a + slope_b - secant * 2.0) * (1.0 / (h * h)),
+    ]
+}
+
+/// `x → y`: the place of `W` at the same fraction of arc length.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Places {
+    lengths: ArcLength,
+    breaks: Vec<f64>,
+    table: Table<f64>,
+}
+
+impl Places {
+    /// Measures the correspondence of `r`, whose lengths are known, and `w`.
+    pub(crate) fn build(&mut self, r: &Spans, r_lengths: &ArcLength, w: &Spans) {
+        self.lengths.build(w);
+        self.table.clear();
+        let (r_total, w_total) = (r_lengths.total(), self.lengths.total());
+        find_breaks(&mut self.breaks, r, w.cubics.len(), |joint| {
+            let s = self.lengths.at_joint(joint) / w_total * r_total;
+            let (span, t) = r_lengths.inverse(r, s);
+            span as f64 + t
+        });
+        if r_total == 0.0 || w_total == 0.0 {
+            self.table.push(0.0, [0.0, 1.0, 0.0, 0.0]);
+            return;
+        }
+        let curves = Pair { r, r_lengths, w, w_lengths: &self.lengths };
+        for pair in self.breaks.windows(2) {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let spans = (whole(middle, r), whole(curves.place(middle), w));
+            curves.tabulate(spans, pair[0], pair[1], PLACE_DEPTH, &mut self.table);
+        }
+    }
+
+    /// The place of `W` that belongs to place `x` of `R`, as segment and `t`.
+    #[inline]
+    pub(crate) fn at(&self, x: f64, w: &Spans) -> (usize, f64) {
+        let (c, h) = self.table.find(x);
+        let y = c[0] + h * (c[1] + h * (c[2] + h * c[3]));
+        let span = whole(y, w);
+        (span, (y - span as f64).clamp(0.0, 1.0))
+    }
+}
+
+/// The segment that holds a place.
+fn whole(x: f64, spans: &Spans) -> usize {
+    (x.max(0.0) as usize).min(spans.cubics.len() - 1)
+}
+
+/// The unit tangent at a place of `W`, the mean of both sides near a joint.
+pub(crate) fn tangent_near_joint(w: &Spans, span: usize, t: f64) -> DVec3 {
+    let t = if t < JOINT { 0.0 } else if t > 1.0 - JOINT { 1.0 } else { t };
+    w.tangent_in(span, t)
+}
+
+/// Joints of `R` and the places of `W`'s joints, rising, each once.
+fn find_breaks(breaks: &mut Vec<f64>, r: &Spans, w_spans: usize, of_joint: impl Fn(usize) -> f64) {
+    breaks.clear();
+    breaks.extend((0..=r.cubics.len()).map(|i| i as f64));
+    breaks.extend((1..w_spans).map(of_joint).filter(|x| x.is_finite()));
+    breaks.sort_unstable_by(f64::total_cmp);
+    breaks.dedup_by(|b, a| *b - *a < JOINT);
+    if let Some(last) = breaks.last_mut() {
+        *last = r.cubics.len() as f64;
+    }
+}
+
+struct Pair<'a> {
+    r: &'a Spans,
+    r_lengths: &'a ArcLength,
+    w: &'a Spans,
+    w_lengths: &'a ArcLength,
+}
+
+impl Pair<'_> {
+    fn place(&self, x: f64) -> f64 {
+        let span = whole(x, self.r);
+        let fraction = self.r_lengths.at(self.r, span, x - span as f64) / self.r_lengths.total();
+        let (span, t) = self.w_lengths.inverse(self.w, fraction * self.w_lengths.total());
+        span as f64 + t
+    }
+
+    /// `dy/dx` of places in given segments.
+    fn slope(&self, (r_span, w_span): (usize, usize), x: f64, y: f64) -> f64 {
+        let r_speed = self.r.cubics[r_span].derivative(x - r_span as f64).length();
+        let w_speed = self.w.cubics[w_span].derivative(y - w_span as f64).length();
+        r_speed / self.r_lengths.total() * self.w_lengths.total() / w_speed
+    }
+
+    fn tabulate(&self, spans: (usize, usize), x0: f64, x1: f64, depth: u32, table: &mut Table<f64>) {
+        let h = x1 - x0;
+        let (y0, y1) = (self.place(x0), self.place(x1));
+        // Steeper than thrice the secant a monotone cubic cannot be (Fritsch and Carlson); so it is at a standstill.
+        let limit = 3.0 * ((y1 - y0) / h).max(0.0);
+        let bounded = |slope: f64| if slope.is_finite() { slope.min(limit) } else { limit };
+        let slopes = [(x0, y0), (x1, y1)].map(|(x, y)| bounded(self.slope(spans, x, y)));
+        let cubic = hermite(h, y0, slopes[0], y1, slopes[1]);
+        let middle = 0.5 * h;
+        let found = cubic[0] + middle * (cubic[1] + middle * (cubic[2] + middle * cubic[3]));
+        if depth == 0 || (found - self.place(x0 + middle)).abs() < PLACE_TOLERANCE {
+            table.push(x0, cubic);
+        } else {
+            self.tabulate(spans, x0, x0 + middle, depth - 1, table);
+            self.tabulate(spans, x0 + middle, x1, depth - 1, table);
+        }
+    }
+}
+
+/// `x →` the rotation vector from the frame of `R` to that of `W`, its angle continued from `x = 0`.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Turns {
+    table: Table<[f32; 3]>,
+    /// The vector at each joint of `R`.
+    joints: Vec<[f32; 3]>,
+    breaks: Vec<f64>,
+    nodes: Vec<DVec3>,
+}
+
+impl Turns {
+    /// Transports frames along both curves; `places` where the correspondence is not by parameter.
+    pub(crate) fn build(&mut self, r: &Spans, w: &Spans, places: Option<&Places>) {
+        self.table.clear();
+        self.joints.clear();
+        match places {
+            Some(places) => self.breaks.clone_from(&places.breaks),
+            None => find_breaks(&mut self.breaks, r, 0, |_| 0.0),
+        }
+        let place = |x: f64| match places {
+            Some(places) => places.at(x, w),
+            None => (whole(x, w), x - whole(x, w) as f64),
+        };
+        let (mut on_r, mut on_w) = (Traveller::new(r), Traveller::new(w));
+        let start = least_rotation(on_r.tangent, on_w.tangent);
+        let mut vector = continued_vector(start, DVec3::ZERO);
+        self.joints.push(vector.as_vec3().to_array());
+        for k in 1..self.breaks.len() {
+            let (x0, x1) = (self.breaks[k - 1], self.breaks[k]);
+            let middle = 0.5 * (x0 + x1);
+            let (r_span, w_span) = (whole(middle, r), place(middle).0);
+            let before = vector;
+            let mut pieces = FEWEST_TURN_PIECES;
+            loop {
+                let (mut r_trial, mut w_trial) = (on_r.clone(), on_w.clone());
+                (vector, pieces) = (before, 2 * pieces);
+                self.nodes.clear();
+                for i in 0..=pieces {
+                    let x = x0 + (x1 - x0) * i as f64 / pieces as f64;
+                    r_trial.travel(r_span, (x - r_span as f64).clamp(0.0, 1.0));
+                    let (span, t) = place(x);
+                    w_trial.travel(w_span, (span as f64 + t - w_span as f64).clamp(0.0, 1.0));
+                    vector = continued_vector(w_trial.rotation * start * r_trial.rotation.inverse(), vector);
+                    self.nodes.push(vector);
+                }
+                if pieces >= MOST_TURN_PIECES || self.miss() < TURN_TOLERANCE {
+                    (on_r, on_w) = (r_trial, w_trial);
+                    break;
+                }
+            }
+            self.tabulate(x0, (x1 - x0) / pieces as f64);
+            let joint = x1.round();
+            if (x1 - joint).abs() < JOINT {
+                let (span, t) = place(x1);
+                let on_joint = on_w.halfway(tangent_near_joint(w, span, t));
+                let turned = on_joint * start * on_r.halfway(r.joint_tangent(joint as usize)).inverse();
+                vector = continued_vector(turned, vector);
+                self.joints.push(vector.as_vec3().to_array());
+            }
+        }
+    }
+
+    /// How far the cubics through every other node pass from the nodes between.
+    fn miss(&self) -> f64 {
+        let coarse = |i: usize| self.nodes[2 * i];
+        let n = (self.nodes.len() - 1) / 2;
+        let at = |i: usize| {
+            let slopes = (slope(coarse, n, i), slope(coarse, n, i + 1));
+            let middle = 0.5 * (coarse(i) + coarse(i + 1)) + 0.125 * (slopes.0 - slopes.1);
+            middle.distance(self.nodes[2 * i + 1])
+        };
+        (0..n).map(at).fold(0.0, f64::max)
+    }
+
+    fn tabulate(&mut self, x0: f64, h: f64) {
+        let n = self.nodes.len() - 1;
+        let node = |i: usize| self.nodes[i];
+        for i in 0..n {
+            let cubic = hermite(h, node(i), slope(node, n, i) / h, node(i + 1), slope(node, n, i + 1) / h);
+            self.table.push(x0 + h * i as f64, cubic.map(|c| c.as_vec3().to_array()));
+        }
+    }
+
+    /// The rotation vector at place `x`, inside a segment.
+    #[inline]
+    pub(crate) fn at(&self, x: f64) -> [f32; 3] {
+        let (c, h) = self.table.find(x);
+        let h = h as f32;
+        std::array::from_fn(|k| c[0][k] + h * (c[1][k] + h * (c[2][k] + h * c[3][k])))
+    }
+
+    /// The rotation vector at joint `joint` of `R`.
+    pub(crate) fn at_joint(&self, joint: usize) -> [f32; 3] {
+        self.joints.get(joint).or(self.joints.last()).copied().unwrap_or_default()
+    }
+}
+
+/// The slope at node `i` of `0 ..= n`, in units of a step: differences of fourth order, central inside, one-sided at the
+/// ends.
+fn slope(node: impl Fn(usize) -> DVec3, n: usize, i: usize) -> DVec3 {
+    const CENTRAL: [f64; 5] = [1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0];
+    const FIRST: [f64; 5] = [-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25];
+    const SECOND: [f64; 5] = [-0.25, -10.0 / 12.0, 1.5, -0.5, 1.0 / 12.0];
+    let sum = |weights: [f64; 5], first: usize| -> DVec3 {
+        weights.iter().enumerate().map(|(k, w)| *w * node(first + k)).sum()
+    };
+    let mirrored = |weights: [f64; 5]| -> DVec3 {
+        weights.iter().enumerate().map(|(k, w)| -*w * node(n - k)).sum()
+    };
+    match (i, n - i) {
+        (0, _) => sum(FIRST, 0),
+        (1, _) => sum(SECOND, 0),
+        (_, 0) => mirrored(FIRST),
+        (_, 1) => mirrored(SECOND),
+        _ => sum(CENTRAL, i - 2),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Curve;
+
+    fn spans(points: &[[f32; 3]]) -> Spans {
+        Spans::new(&Curve::bspline(3, points.to_vec()).unwrap())
+    }
+
+    fn two_curves() -> (Spans, Spans) {
+        let r = spans(&[[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [4.0, 0.0, 0.0], [9.0, 1.0, 0.0]]);
+        let w = spans(&[[0.0; 3], [1.0, 2.0, 0.0], [3.0, 0.0, 1.0], [4.0, -3.0, 0.0], [5.0, 1.0, 0.0]]);
+        (r, w)
+    }
+
+    #[test]
+    fn places_have_the_same_fraction_of_length() {
+        let (r, w) = two_curves();
+        let (r_lengths, w_lengths) = (ArcLength::new(&r), ArcLength::new(&w));
+        let mut places = Places::default();
+        places.build(&r, &r_lengths, &w);
+        for i in 0..=200 {
+            let x = f64::from(i) / 100.0;
+            let span = whole(x, &r);
+            let expected = r_lengths.at(&r, span, x - span as f64) / r_lengths.total();
+            let (span, t) = places.at(x, &w);
+            let found = w_lengths.at(&w, span, t) / w_lengths.total();
+            assert!((found - expected).abs() < 1e-7, "{x}: {found} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn turns_carry_one_tangent_to_the_other() {
+        let (r, w) = two_curves();
+        let mut turns = Turns::default();
+        turns.build(&r, &w, None);
+        for i in 0..=200 {
+            let x = f64::from(i) / 100.0;
+            let v = turns.at(x).map(f64::from);
+            let q = glam::DQuat::from_scaled_axis(DVec3::from_array(v));
+            let (a, b) = (r.tangent(x / 2.0), w.tangent(x / 2.0));
+            assert!((q * a).distance(b) < 2e-6, "{x}: {} is not {b}", q * a);
+        }
+    }
+
+    #[test]
+    fn equal_curves_do_not_turn() {
+        let (r, _) = two_curves();
+        let mut turns = Turns::default();
+        turns.build(&r, &r.clone(), None);
+        assert!((0..=20).all(|i| turns.at(f64::from(i) / 10.0).iter().all(|c| c.abs() < 1e-12)));
+    }
+}

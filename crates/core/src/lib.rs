@@ -1,0 +1,52 @@
+//! The wire of K. Singh and E. Fiume, "Wires: A Geometric Deformation Technique", SIGGRAPH 1998
+//! (cited as \[SF98\]): curves, the exact closest point, binding points to wires and deforming them.
+//!
+//! A *wire* is a pair of curves. The *reference curve* `R` says where the wire lies on the undeformed
+//! object, the *wire curve* `W` where it is now. A point near `R` is carried along by the difference.
+//! Data flows one way: [`Wire`]s and points → [`Binding::new`] → [`Binding::deform_into`], once a frame.
+//!
+//! # Notation
+//!
+//! | letter | is | here |
+//! |---|---|---|
+//! | `P` | a point of the undeformed object | `points` |
+//! | `R` | reference curve | [`Wire::reference`] |
+//! | `W` | wire curve | [`Wire::pose`] |
+//! | `p_R` | parameter of the point of `R` closest to `P` | [`Foot::u`] |
+//! | `r` | radius of influence | [`Wire::radius`] |
+//! | `s` | radial scale | [`Wire::scale`] |
+//! | `f` | density | [`Wire::density`] |
+//! | `F` | influence, `f(‖P − R(p_R)‖ / r)` | |
+//! | `θ` | angle between `R′` and `W′` | |
+//! | `m` | exponent of the blend of many wires | [`Blend::exponent`] |
+//! | `k` | exponent of the local influence | [`Blend::locality`] |
+//!
+//! Positions are `[f32; 3]`, so that any engine's vector can be cast to them; angles are radians.
+//! The crate knows no files, no clock and no random numbers.
+
+mod arclength;
+mod attributes;
+mod bind;
+mod blend;
+mod cells;
+mod closest;
+mod curve;
+mod density;
+mod follow;
+mod frame;
+mod kernel;
+mod keyed;
+mod quintic;
+mod rotation;
+mod runs;
+mod spans;
+mod tiles;
+mod trig;
+mod wire;
+
+pub use bind::{BindError, Binding};
+pub use closest::Foot;
+pub use curve::{Curve, CurveError, CurveKind};
+pub use density::{Density, Profile, ProfileError};
+pub use keyed::{Interpolate, Keyed, Keys, KeysError};
+pub use wire::{Bend, Blend, Correspondence, Interpolation, Locator, Wire, WireError};

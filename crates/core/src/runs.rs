@@ -1,0 +1,190 @@
+//! Bound points in runs: for every tile and cell the points whose feet lie there, ten bytes a point.
+//!
+//! All points of a run share the cell's polynomials, so that the deformation loads their coefficients once and then
+//! streams through indices, places and influences.
+
+use rayon::prelude::*;
+
+use crate::attributes::{Attribute, value};
+use crate::cells::Cells;
+use crate::closest::{BLOCK, Block, Feet, Pieces};
+use crate::tiles::{TILE, Tiles, ball};
+use crate::{Wire, spans::Spans};
+
+/// A point's foot as it is kept: segment, place in it and distance; an infinite distance means no foot in reach.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StoredFoot {
+    pub(crate) span: u32,
+    pub(crate) t: f32,
+    pub(crate) distance: f32,
+}
+
+const NO_FOOT: StoredFoot = StoredFoot { span: 0, t: 0.0, distance: f32::INFINITY };
+
+/// Consecutive bound points of one tile and cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run {
+    pub(crate) cell: u32,
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+}
+
+/// All runs of one wire.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Runs {
+    /// Index of the point in its tile.
+    pub(crate) index: Vec<u16>,
+    /// Place of the foot in its segment.
+    pub(crate) t: Vec<f32>,
+    /// `F`.
+    pub(crate) influence: Vec<f32>,
+    /// Distance from the foot; cold, read only when radii or the density change.
+    distance: Vec<f32>,
+    runs: Vec<Run>,
+    /// The first run of each tile, and the number of runs at the end.
+    tiles: Vec<u32>,
+}
+
+impl Runs {
+    /// Runs of a tile.
+    #[inline]
+    pub(crate) fn of_tile(&self, tile: usize) -> &[Run] {
+        match (self.tiles.get(tile), self.tiles.get(tile + 1)) {
+            (Some(&start), Some(&end)) => &self.runs[start as usize..end as usize],
+            _ => &[],
+        }
+    }
+
+    /// Sorts the feet that `acts` admits into runs and computes their influence.
+    pub(crate) fn new(wire: &Wire, spans: &Spans, cells: &Cells, feet: &[StoredFoot], acts: Acts) -> Self {
+        let parts: Vec<Self> = feet
+            .par_chunks(TILE)
+            .enumerate()
+            .map(|(tile, feet)| tile_runs(cells, feet, |i| acts(tile * TILE + i)))
+            .collect();
+        let count = parts.iter().map(|p| p.index.len()).sum();
+        let mut all = Self {
+            index: Vec::with_capacity(count),
+            t: Vec::with_capacity(count),
+            distance: Vec::with_capacity(count),
+            ..Self::default()
+        };
+        for part in parts {
+            let offset = all.index.len() as u32;
+            all.tiles.push(all.runs.len() as u32);
+            all.runs.extend(part.runs.iter().map(|r| Run { start: r.start + offset, end: r.end + offset, ..*r }));
+            all.index.extend(part.index);
+            all.t.extend(part.t);
+            all.distance.extend(part.distance);
+        }
+        all.tiles.push(all.runs.len() as u32);
+        all.influence.resize(count, 0.0);
+        all.measure(wire, spans, cells);
+        all
+    }
+
+    /// Computes `F` anew from the distances: after a change of radii or density.
+    pub(crate) fn measure(&mut self, wire: &Wire, spans: &Spans, cells: &Cells) {
+        let n = spans.cubics.len() as f64;
+        let varies = wire.locators.iter().any(|l| l.radius.is_some());
+        let uniform = value(wire, Attribute::Radius, 0.0);
+        for run in &self.runs {
+            let range = run.start as usize..run.end as usize;
+            let span = match cells.list[run.cell as usize] {
+                crate::cells::Cell::Stretch { span, .. } => span as f64,
+                crate::cells::Cell::Joint { joint, .. } => joint as f64,
+            };
+            let joint = matches!(cells.list[run.cell as usize], crate::cells::Cell::Joint { .. });
+            for i in range {
+                let place = if joint { span } else { span + f64::from(self.t[i]) };
+                let radius = if varies { value(wire, Attribute::Radius, place / n) } else { uniform };
+                self.influence[i] = wire.density.at(f64::from(self.distance[i]) / radius) as f32;
+            }
+        }
+    }
+}
+
+/// Whether a wire acts on a point, by the point's index.
+pub(crate) type Acts<'a> = &'a (dyn Fn(usize) -> bool + Sync);
+
+/// Counting sort of a tile's feet by cell; within a cell by index.
+fn tile_runs(cells: &Cells, feet: &[StoredFoot], acts: impl Fn(usize) -> bool) -> Runs {
+    let mut bound: Vec<(u32, u16)> = Vec::new();
+    for (i, foot) in feet.iter().enumerate() {
+        if foot.distance.is_finite() && acts(i) {
+            bound.push((cells.find(foot.span, foot.t), i as u16));
+        }
+    }
+    bound.sort_unstable();
+    let mut runs = Runs {
+        index: bound.iter().map(|b| b.1).collect(),
+        t: bound.iter().map(|b| feet[b.1 as usize].t).collect(),
+        distance: bound.iter().map(|b| feet[b.1 as usize].distance).collect(),
+        ..Runs::default()
+    };
+    for (i, (cell, _)) in bound.iter().enumerate() {
+        match runs.runs.last_mut() {
+            Some(run) if run.cell == *cell => run.end += 1,
+            _ => runs.runs.push(Run { cell: *cell, start: i as u32, end: i as u32 + 1 }),
+        }
+    }
+    runs
+}
+
+/// The feet of all points within `reach` of the curve.
+pub(crate) fn find_feet(pieces: &Pieces, tiles: &Tiles, reach: f64) -> Vec<StoredFoot> {
+    let mut feet = vec![NO_FOOT; tiles.count];
+    let all: Vec<u32> = (0..pieces.list.len() as u32).collect();
+    feet.par_chunks_mut(TILE).enumerate().for_each(|(chunk, out)| {
+        pulp::Arch::new().dispatch(|| search_chunk(pieces, tiles, &all, reach, chunk * TILE, out));
+    });
+    let Some(order) = &tiles.order else { return feet };
+    let mut by_index = vec![NO_FOOT; tiles.count];
+    for (foot, &i) in feet.iter().zip(order) {
+        by_index[i as usize] = *foot;
+    }
+    by_index
+}
+
+/// Searches the points `first ..` in the order of search, as many as `out` holds.
+#[inline(always)]
+fn search_chunk(
+    pieces: &Pieces,
+    tiles: &Tiles,
+    all: &[u32],
+    reach: f64,
+    first: usize,
+    out: &mut [StoredFoot],
+) {
+    let point = |i: usize| tiles.point(tiles.searched(i));
+    let Some((center, radius)) = ball((first..first + out.len()).map(point)) else { return };
+    let (own_center, own_radius) = pieces.ball;
+    if center.distance(own_center) - radius - own_radius > reach {
+        return;
+    }
+    let (mut of_tile, mut candidates) = (Vec::new(), Vec::new());
+    pieces.cull(center, radius, reach, all, &mut of_tile);
+    let (mut block, mut feet) = (Block::new(), Feet::new());
+    for (k, out) in out.chunks_mut(BLOCK).enumerate() {
+        let start = first + k * BLOCK;
+        let Some((center, radius)) = ball((start..start + out.len()).map(point)) else { continue };
+        pieces.cull(center, radius, reach, &of_tile, &mut candidates);
+        if candidates.is_empty() {
+            continue;
+        }
+        block.clear();
+        for i in start..start + out.len() {
+            block.push(point(i), pieces);
+        }
+        pieces.search(&block, &candidates, reach, &mut feet);
+        for (i, out) in out.iter_mut().enumerate() {
+            if feet.distance[i] < reach {
+                *out = StoredFoot {
+                    span: feet.span[i],
+                    t: feet.t[i] as f32,
+                    distance: feet.distance[i] as f32,
+                };
+            }
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! What every rig obeys, whatever its numbers: [SF98] §2's list of properties, §4's requirements, symmetry.
+
+use glam::{DQuat, DVec3};
+use wirework_core::{Bend, Binding, Blend, Correspondence, Curve, CurveKind, Wire};
+use wirework_reference::{Random, Rig, influence, point, unsteadiness};
+
+fn deform(wires: &[Wire], blend: &Blend, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let mut out = vec![[0.0; 3]; points.len()];
+    Binding::new(wires, points).unwrap().deform_into(wires, blend, &mut out).unwrap();
+    out
+}
+
+fn wide(p: [f32; 3]) -> DVec3 {
+    DVec3::from_array(p.map(f64::from))
+}
+
+/// Applies a map to all that has a place, and a factor to all that has a length.
+fn mapped(rig: &Rig, map: impl Fn(DVec3) -> DVec3, factor: f32) -> Rig {
+    let apply = |points: &[[f32; 3]]| -> Vec<[f32; 3]> {
+        points.iter().map(|&p| map(wide(p)).as_vec3().to_array()).collect()
+    };
+    let mut rig = rig.clone();
+    rig.points = apply(&rig.points);
+    for wire in &mut rig.wires {
+        wire.reference = wire.reference.posed(apply(wire.reference.points())).unwrap();
+        wire.pose = apply(&wire.pose);
+        wire.radius *= factor;
+        for radius in wire.locators.iter_mut().filter_map(|l| l.radius.as_mut()) {
+            *radius *= factor;
+        }
+    }
+    rig
+}
+
+/// Deforming and mapping in either order is the same within `tolerance` diagonals, but for a few points at which the
+/// rounding of the mapped input decides.
+fn commutes(seed: u64, rig: &Rig, map: impl Fn(DVec3) -> DVec3, factor: f32, tolerance: f64) {
+    let after = deform(&rig.wires, &rig.blend, &rig.points);
+    let other = mapped(rig, &map, factor);
+    let before = deform(&other.wires, &other.blend, &other.points);
+    let diagonal = other.diagonal();
+    let mut left_out = 0;
+    for (i, (&a, &b)) in after.iter().zip(&before).enumerate() {
+        let error = map(wide(a)).distance(wide(b)) / diagonal;
+        if error > tolerance {
+            let moves = unsteadiness(&other.wires, &other.blend, other.points[i], 4e-7) / diagonal;
+            assert!(
+                moves > 0.25 * tolerance,
+                "seed {seed}, {:?}: off by {error:e}, {:#?}",
+                rig.points[i],
+                rig.wires
+            );
+            left_out += 1;
+        }
+    }
+    assert!(left_out * 50 <= rig.points.len(), "seed {seed}: {left_out} of {} left out", rig.points.len());
+}
+
+#[test]
+fn rigid_motions_commute_with_the_deformation() {
+    for seed in 0..80 {
+        let rig = Rig::new(seed);
+        let mut random = Random::new(!seed);
+        let turn = DQuat::from_scaled_axis(DVec3::from_array(random.vector(3.0)));
+        let shift = DVec3::from_array(random.vector(0.5 * rig.diagonal()));
+        commutes(seed, &rig, |p| turn * p + shift, 1.0, 2e-5);
+    }
+}
+
+#[test]
+fn uniform_scalings_commute_with_the_deformation() {
+    for seed in 0..80 {
+        let rig = Rig::new(seed);
+        // A power of two rounds nothing.
+        commutes(seed, &rig, |p| p * 64.0, 64.0, 1e-6);
+        commutes(seed, &rig, |p| p * 0.37_f32 as f64, 0.37, 2e-5);
+    }
+}
+
+#[test]
+fn outside_the_radius_nothing_moves() {
+    let mut random = Random::new(3);
+    for seed in 0..60 {
+        let wire = Rig::new(seed).wires.swap_remove(0);
+        let wire = Wire { locators: Vec::new(), ..wire };
+        let r = f64::from(wire.radius);
+        let points: Vec<[f32; 3]> = (0..200)
+            .map(|_| {
+                let on = DVec3::from_array(point(&wire.reference, random.range(0.0, 1.0)));
+                (on + DVec3::from_array(random.vector(3.0 * r))).as_vec3().to_array()
+            })
+            .collect();
+        for (&p, &q) in points.iter().zip(&deform(std::slice::from_ref(&wire), &Blend::default(), &points)) {
+            let foot = wirework_reference::closest(&wire.reference, p.map(f64::from));
+            if foot.distance > r * (1.0 + 1e-6) {
+                assert_eq!(p.map(f32::to_bits), q.map(f32::to_bits), "seed {seed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn points_on_the_reference_track_the_wire() {
+    for seed in 0..100 {
+        let wire = Rig::new(seed).wires.swap_remove(0);
+        let wire =
+            Wire { locators: Vec::new(), amplitude: 1.0, correspondence: Correspondence::Parameter, ..wire };
+        let pose = wire.reference.posed(wire.pose.clone()).unwrap();
+        let on: Vec<DVec3> =
+            (0..50).map(|i| DVec3::from_array(point(&wire.reference, f64::from(i) / 49.0))).collect();
+        let points: Vec<[f32; 3]> = on.iter().map(|p| p.as_vec3().to_array()).collect();
+        let rig = Rig { wires: vec![wire.clone()], blend: Blend::default(), points: points.clone() };
+        let diagonal = rig.diagonal();
+        for (&p, &q) in points.iter().zip(&deform(&rig.wires, &rig.blend, &points)) {
+            // Where the curve meets itself, or stands nearly still, its foot is not its own.
+            let foot = wirework_reference::closest(&wire.reference, p.map(f64::from));
+            let target = DVec3::from_array(point(&pose, foot.u));
+            let error = wide(q).distance(target);
+            let steady = unsteadiness(&rig.wires, &rig.blend, p, 1.2e-7) < 1e-5 * diagonal;
+            let linear = f64::from(wire.density == wirework_core::Density::Linear) * 1e-6;
+            assert!(
+                !steady || error < (4e-6 + linear) * diagonal,
+                "seed {seed}, {p:?}: {error:e}, {wire:#?}"
+            );
+        }
+    }
+}
+
+/// Both halves of a Bézier chain's middle segment as chains of their own, exactly: control points on a coarse lattice.
+fn cut(points: &[[f32; 3]]) -> [Vec<[f32; 3]>; 2] {
+    let mid = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
+    let segment = points.len() / 3 / 2 * 3;
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| points[segment + i]);
+    let (ab, bc, cd) = (mid(a, b), mid(b, c), mid(c, d));
+    let (abc, bcd) = (mid(ab, bc), mid(bc, cd));
+    let middle = mid(abc, bcd);
+    [
+        [&points[..=segment], &[ab, abc, middle]].concat(),
+        [&[middle, bcd, cd], &points[segment + 3..]].concat(),
+    ]
+}
+
+#[test]
+fn a_wire_cut_in_two_in_one_group_deforms_as_one() {
+    let mut random = Random::new(11);
+    for case in 0..60 {
+        let count = 1 + 3 * random.pick(&[1, 2, 3]);
+        let mut lattice = |size: f64| -> Vec<[f32; 3]> {
+            (0..count).map(|_| random.vector(size).map(|c| (c * 16.0).round() as f32 / 16.0)).collect()
+        };
+        let (rest, shift) = (lattice(1.0), lattice(0.4));
+        let pose: Vec<[f32; 3]> =
+            rest.iter().zip(&shift).map(|(a, b)| [0, 1, 2].map(|i| a[i] + b[i])).collect();
+        let wire = |rest: &[[f32; 3]], pose: &[[f32; 3]]| {
+            let reference = Curve::new(CurveKind::Bezier, false, rest.to_vec()).unwrap();
+            Wire {
+                pose: pose.to_vec(),
+                radius: 0.7,
+                scale: 1.3,
+                twist: 0.4,
+                group: Some(5),
+                ..Wire::new(reference)
+            }
+        };
+        let whole = vec![wire(&rest, &pose)];
+        let (rests, poses) = (cut(&rest), cut(&pose));
+        let halves = vec![wire(&rests[0], &poses[0]), wire(&rests[1], &poses[1])];
+        let points: Vec<[f32; 3]> = (0..200).map(|_| random.vector(1.2).map(|c| c as f32)).collect();
+        let blend = Blend::default();
+        let mut left_out = 0;
+        let both = deform(&whole, &blend, &points).into_iter().zip(deform(&halves, &blend, &points));
+        for (&p, (a, b)) in points.iter().zip(both) {
+            if wide(a).distance(wide(b)) > 4e-6 {
+                assert!(unsteadiness(&whole, &blend, p, 2.4e-7) > 1e-6, "case {case}, {p:?}: {a:?} or {b:?}");
+                left_out += 1;
+            }
+        }
+        assert!(left_out <= 4, "case {case}: {left_out} left out");
+    }
+}
+
+#[test]
+fn two_equal_wires_act_as_one() {
+    for seed in 0..60 {
+        let mut rig = Rig::new(seed);
+        rig.wires.truncate(1);
+        rig.blend.crossing = 0.0;
+        let once = deform(&rig.wires, &rig.blend, &rig.points);
+        rig.wires.push(rig.wires[0].clone());
+        let twice = deform(&rig.wires, &rig.blend, &rig.points);
+        for (a, b) in once.iter().zip(&twice) {
+            assert!(wide(*a).distance(wide(*b)) <= 1e-6 * rig.diagonal(), "seed {seed}: {a:?}, {b:?}");
+        }
+    }
+}
+
+#[test]
+fn influence_one_carries_all_the_way_and_zero_not_at_all() {
+    let mut wire = Wire::new(Curve::polyline(vec![[0.0; 3], [1.0, 0.0, 0.0]]).unwrap());
+    wire.pose = vec![[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]];
+    let points: Vec<[f32; 3]> = (0..=20_u8).map(|i| [0.5, f32::from(i) / 20.0, 0.0]).collect();
+    let found = deform(std::slice::from_ref(&wire), &Blend::default(), &points);
+    for (p, q) in points.iter().zip(&found) {
+        assert!((f64::from(q[2]) - influence(&wire, p.map(f64::from))).abs() < 1e-6);
+    }
+    assert_eq!((found[0], found[20]), ([0.5, 0.0, 1.0], [0.5, 1.0, 0.0]));
+}
+
+/// Two straight wires that cross at the origin, raised by `a` and `b`.
+fn crossing(a: f32, b: f32) -> Vec<Wire> {
+    let raised = |end: [f32; 3], height: f32| {
+        let start = end.map(|c| -c);
+        let mut wire = Wire { radius: 2.0, ..Wire::new(Curve::polyline(vec![start, end]).unwrap()) };
+        wire.pose = vec![start, end].into_iter().map(|p| [p[0], p[1], height]).collect();
+        wire
+    };
+    vec![raised([1.0, 0.0, 0.0], a), raised([0.0, 1.0, 0.0], b)]
+}
+
+fn height(wires: &[Wire], exponent: f32) -> f32 {
+    deform(wires, &Blend { exponent, ..Blend::default() }, &[[0.0; 3]])[0][2]
+}
+
+#[test]
+fn the_exponent_runs_from_the_smallest_over_the_mean_to_the_largest() {
+    let wires = crossing(1.0, 3.0);
+    for (m, expected) in [(-60.0, 1.0), (-1.0, 1.5), (0.0, 2.0), (1.0, 2.5), (2.0, 2.8), (60.0, 3.0)] {
+        assert!((height(&wires, m) - expected).abs() < 2e-6, "m = {m}: {}", height(&wires, m));
+    }
+    assert!(height(&wires, f32::MAX).is_finite() && height(&wires, f32::MIN).is_finite());
+    // Far apart: the small one alone for m < 0, nothing of it for m > 0, and never NaN.
+    let wires = crossing(1e-20, 1.0);
+    for (m, expected) in [(-8.0, 0.0), (-1.0, 0.0), (0.0, 0.5), (1.0, 1.0), (8.0, 1.0)] {
+        assert!((height(&wires, m) - expected).abs() < 1e-6, "m = {m}: {}", height(&wires, m));
+    }
+}
+
+#[test]
+fn a_wire_that_moves_nothing_is_left_out_whatever_the_exponent() {
+    let wires = crossing(0.0, 1.0);
+    for m in [-8.0, -1.0, 0.0, 1.0, 8.0] {
+        assert_eq!(height(&wires, m), 1.0, "m = {m}");
+    }
+}
+
+#[test]
+fn transport_does_not_step_where_tangents_pass_each_other() {
+    // W winds once and a half against a straight R; neighbours must stay neighbours.
+    let n = 61_u8;
+    let rest: Vec<[f32; 3]> = (0..n).map(|i| [f32::from(i) * 0.1, 0.0, 0.0]).collect();
+    let winding = |i: u8| {
+        let angle = 3.0 * std::f32::consts::PI * f32::from(i) / f32::from(n - 1);
+        [angle.sin(), 1.0 - angle.cos(), 0.05 * angle]
+    };
+    let mut wire = Wire { radius: 1.0, ..Wire::new(Curve::bspline(3, rest).unwrap()) };
+    wire.pose = (0..n).map(winding).collect();
+    let points: Vec<[f32; 3]> = (0..2000_u16).map(|i| [f32::from(i) * 0.003, 0.4, 0.1]).collect();
+    let jump = |bend| {
+        let wire = Wire { bend, ..wire.clone() };
+        let found = deform(&[wire], &Blend::default(), &points);
+        found.windows(2).map(|w| wide(w[0]).distance(wide(w[1]))).fold(0.0, f64::max)
+    };
+    assert!(jump(Bend::Transport) < 0.03, "{}", jump(Bend::Transport));
+    assert!(jump(Bend::Tangent) > 0.3, "Tangent steps here, or this shows nothing");
+}

@@ -1,0 +1,103 @@
+//! Whatever the bytes are: no panic, and an error lies within the source.
+
+use proptest::prelude::*;
+use wirework_preset::{Limits, TEMPLATES, parse, template};
+
+/// Reads bytes and checks what every answer must be.
+fn read(bytes: &[u8]) {
+    let Err(errors) = parse(bytes, &Limits::default()) else { return };
+    assert!(!errors.errors().is_empty());
+    for error in errors.errors() {
+        assert!(error.span.start <= error.span.end && error.span.end <= bytes.len(), "{error:?}");
+        assert!(error.line >= 1 && error.column >= 1);
+        assert!(error.message.len() < 2_000 && !error.message.chars().any(char::is_control), "{error:?}");
+        if let Ok(text) = std::str::from_utf8(bytes) {
+            assert!(text.is_char_boundary(error.span.start) && text.is_char_boundary(error.span.end), "{error:?}");
+        }
+    }
+}
+
+fn source() -> impl Strategy<Value = Vec<u8>> {
+    prop::sample::select(TEMPLATES.to_vec()).prop_map(|name| template(name).unwrap().as_bytes().to_vec())
+}
+
+/// Pieces of presets, and what breaks parsers.
+const TOKENS: &[&str] = &[
+    "Deform", "Wrinkle", "Stack", "Wire", "Keys", "Ease", "Some", "None", "Locator", "BSpline", "Grid", "(", ")", "[",
+    "]", "{", "}", ",", ":", "::", " ", "\n", "//", "/*", "*/", "\"", "\\", "'", "'a'", "b'x'", "r\"", "r#\"", "\"#",
+    "r#a", "b\"", "br\"", "#![enable(implicit_some)]", "#!", "0", "-1", "1e400", "0x1F", "1_000", "1..2", "..", "inf",
+    "-inf", "NaN", "true", "false", "()", "wires:", "curve:", "points:", "object:", "radius:", "version:", "é", "🦀",
+    "\u{feff}", "\u{200e}", "\u{0}", "ª", "x.y", "+", "-", ".", "1f32", "2u8",
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn truncated_presets(bytes in source(), at in 0.0..1.0_f64) {
+        let end = (bytes.len() as f64 * at) as usize;
+        read(&bytes[..end]);
+        read(&bytes[end..]);
+    }
+
+    #[test]
+    fn edited_presets(mut bytes in source(), edits in prop::collection::vec((0.0..1.0_f64, any::<u8>(), 0_u8..3), 1..6)) {
+        for (at, byte, what) in edits {
+            let at = (bytes.len() as f64 * at) as usize;
+            match what {
+                0 => bytes[at] = byte,
+                1 => bytes.insert(at, byte),
+                _ => drop(bytes.remove(at)),
+            }
+        }
+        read(&bytes);
+    }
+
+    #[test]
+    fn swapped_tokens(bytes in source(), edits in prop::collection::vec((0.0..1.0_f64, 0..TOKENS.len(), 0_usize..6), 1..4)) {
+        let mut text = String::from_utf8(bytes).unwrap();
+        for (at, token, length) in edits {
+            let start = text.floor_char_boundary((text.len() as f64 * at) as usize);
+            let end = text.floor_char_boundary((start + length).min(text.len()));
+            text.replace_range(start..end.max(start), TOKENS[token]);
+        }
+        read(text.as_bytes());
+    }
+
+    #[test]
+    fn token_soup(tokens in prop::collection::vec(0..TOKENS.len(), 0..40)) {
+        let text: String = tokens.into_iter().map(|i| TOKENS[i]).collect();
+        read(text.as_bytes());
+        read(format!("Deform(wires: [Wire(curve: Polyline(points: [(0, 0, 0)]), pose: {text})])").as_bytes());
+    }
+
+    #[test]
+    fn any_text(text in "\\PC{0,60}") {
+        read(text.as_bytes());
+        read(format!("Deform({text})").as_bytes());
+    }
+
+    /// `ron` decides what is RON: what it accepts is never called a syntax error, and never read differently.
+    #[test]
+    fn the_tree_agrees_with_ron(tokens in prop::collection::vec(0..TOKENS.len(), 0..12)) {
+        let value: String = tokens.into_iter().map(|i| TOKENS[i]).collect();
+        let text = format!("Deform(wires: [{value}])");
+        let valid = ron::from_str::<serde::de::IgnoredAny>(&text).is_ok();
+        // Maps are RON, but stand in no preset.
+        if valid && !text.contains(['{', '}']) && let Err(errors) = parse(text.as_bytes(), &Limits::default()) {
+            for error in errors.errors() {
+                prop_assert_ne!(error.kind, wirework_preset::PresetErrorKind::Syntax, "{}\n{}", text, error);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_prefix_of_a_template() {
+    for name in TEMPLATES {
+        let text = template(name).unwrap();
+        for end in (0..text.len()).step_by(7) {
+            read(&text.as_bytes()[..end]);
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! `wirework new`: each template runs, shows every field, and says the truth about defaults.
+
+use std::collections::BTreeSet;
+
+use wirework_preset::{Limits, PresetErrorKind, TEMPLATES, TemplateError, parse, template};
+
+/// Fields that a template shows with an example in place of their default.
+const EXAMPLES: [&str; 8] = ["object", "wires", "curve", "points", "pose", "pattern", "locators", "propagation"];
+
+/// Byte offsets after the `(` of every struct with named fields, found by asking: a field that exists nowhere is
+/// named in an error, together with all fields that do.
+fn structs(text: &str) -> Vec<(usize, Vec<String>)> {
+    let mut found = Vec::new();
+    for (at, _) in text.match_indices('(') {
+        let probe = format!("{}(nowhere: 1, {}", &text[..at], &text[at + 1..]);
+        let Err(errors) = parse(probe.as_bytes(), &Limits::default()) else { continue };
+        let [error] = errors.errors() else { continue };
+        if error.kind == PresetErrorKind::Name && error.message.contains("has no field `nowhere`") {
+            let fields = error.message.split('`').skip(5).step_by(2).map(str::to_owned).collect();
+            found.push((at + 1, fields));
+        }
+    }
+    found
+}
+
+/// The text without its comments: what is shown must be shown as a value.
+fn without_comments(text: &str) -> String {
+    let line = |line: &str| line.split("//").next().unwrap_or("").to_owned() + "\n";
+    text.lines().map(line).collect()
+}
+
+#[test]
+fn templates_run_without_a_warning() {
+    for name in TEMPLATES {
+        let parsed = parse(template(name).unwrap().as_bytes(), &Limits::default()).unwrap();
+        assert_eq!(parsed.warnings, [], "{name}");
+        assert!(parsed.preset.object.is_some() && parsed.preset.animated, "{name}");
+    }
+}
+
+#[test]
+fn templates_show_every_field_of_this_version() {
+    for name in TEMPLATES {
+        let text = without_comments(template(name).unwrap());
+        let structs = structs(&text);
+        assert!(structs.len() > 3, "{name}");
+        let mut missing = BTreeSet::new();
+        for (at, fields) in &structs {
+            for field in fields {
+                let shown = text[*at..].contains(&format!("{field}: "));
+                // A field of a later version takes nothing but its default.
+                let probe = format!("{}{field}: nowhere(1), {}", &text[..*at], &text[*at..]);
+                let later = parse(probe.as_bytes(), &Limits::default()).is_err_and(|errors| {
+                    errors.errors().iter().any(|e| e.kind == PresetErrorKind::Unavailable || e.message.contains("no value of"))
+                });
+                if !shown && !later {
+                    missing.insert(field.clone());
+                }
+            }
+        }
+        assert_eq!(missing, BTreeSet::new(), "{name}");
+    }
+}
+
+#[test]
+fn a_default_that_is_shown_is_the_default() {
+    for name in TEMPLATES {
+        let text = without_comments(template(name).unwrap());
+        let whole = parse(text.as_bytes(), &Limits::default()).unwrap();
+        let mut checked = 0;
+        let mut start = 0;
+        for line in text.split_inclusive('\n') {
+            let end = start + line.len();
+            let key = line.trim().split(':').next().unwrap_or("");
+            let one_line = line.trim_end().ends_with(',') && line.contains(": ");
+            let simple = one_line && line.matches('(').count() == line.matches(')').count();
+            if simple && !EXAMPLES.contains(&key) {
+                let without = format!("{}{}", &text[..start], &text[end..]);
+                match parse(without.as_bytes(), &Limits::default()) {
+                    Ok(parsed) => {
+                        assert_eq!(parsed.preset, whole.preset, "{name}: `{}` is not the default", line.trim());
+                        checked += 1;
+                    }
+                    Err(errors) => {
+                        let needed = errors.errors().iter().all(|error| error.message.contains("needs a field"));
+                        let original = template(name).unwrap().lines().find(|l| l.trim().starts_with(line.trim()));
+                        assert!(needed && original.is_some_and(|l| l.contains("needed")), "{name}: {errors}");
+                    }
+                }
+            }
+            start = end;
+        }
+        assert!(checked > 15, "{name}: only {checked} defaults were checked");
+    }
+}
+
+#[test]
+fn other_names_are_refused() {
+    assert!(template("DEFORM").is_ok());
+    for later in ["stitch", "Ik"] {
+        let error = template(later).unwrap_err();
+        assert!(matches!(error, TemplateError::Later { .. }) && error.to_string().contains("not available in this version"));
+    }
+    let error = template("wrinkel").unwrap_err().to_string();
+    assert_eq!(error, "there is no effect `wrinkel`; expected `deform` or `wrinkle`, did you mean `wrinkle`?");
+}

@@ -1,0 +1,99 @@
+//! [SF98] §4: many wires on one point.
+//!
+//! `P_def = P + lerp(lerp(blend, Σ ΔPᵢ, crossing), local, localize)`, where over the wires with `ΔPᵢ ≠ 0`
+//! `blend = Σ ΔPᵢ·wᵢ^mᵢ / Σ wᵢ^mᵢ`, `wᵢ = ‖ΔPᵢ‖ / maxⱼ ‖ΔPⱼ‖`, and over the wires with `Fᵢ > 0`
+//! `local = Σ ΔPᵢ·Fᵢ^k / Σ Fᵢ^k`.
+
+use crate::foot::{Foot, TIE};
+use crate::wide;
+use crate::wire::Prepared;
+use glam::DVec3;
+use wirework_core::{Blend, Wire};
+
+/// Where `points` go. A point of which no wire with `F > 0` moves anything comes back as it went in.
+///
+/// # Panics
+/// When a wire's pose is not one of its reference.
+pub fn deform(wires: &[Wire], blend: &Blend, points: &[[f32; 3]]) -> Vec<[f64; 3]> {
+    let scene = Scene::new(wires, blend);
+    points.iter().map(|&p| scene.deform(p)).collect()
+}
+
+/// Wires and their blend, ready for many points.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    wires: Vec<Prepared>,
+    blend: Blend,
+}
+
+impl Scene {
+    /// # Panics
+    /// When a wire's pose is not one of its reference.
+    pub fn new(wires: &[Wire], blend: &Blend) -> Self {
+        Self { wires: wires.iter().map(Prepared::new).collect(), blend: *blend }
+    }
+
+    /// Where one point goes.
+    pub fn deform(&self, point: [f32; 3]) -> [f64; 3] {
+        self.deform_wide(wide(point)).to_array()
+    }
+
+    /// `F` and `ΔP` of each wire at a point, groups considered: a wire that is not the nearest of its group has 0.
+    pub fn contributions(&self, point: [f32; 3]) -> Vec<(f64, [f64; 3])> {
+        let all = self.acting(wide(point));
+        all.into_iter().map(|(f, delta)| (f, delta.to_array())).collect()
+    }
+
+    /// The foot of a point on each wire's `R`.
+    pub fn feet(&self, point: [f32; 3]) -> Vec<Foot> {
+        self.wires.iter().map(|wire| wire.feet.closest(wide(point))).collect()
+    }
+
+    pub(crate) fn deform_wide(&self, p: DVec3) -> DVec3 {
+        if !p.is_finite() {
+            return p;
+        }
+        let acting = self.acting(p);
+        let moved: Vec<(usize, DVec3)> =
+            acting.iter().map(|a| a.1).enumerate().filter(|(_, delta)| *delta != DVec3::ZERO).collect();
+        if moved.is_empty() {
+            return p;
+        }
+        let sum: DVec3 = moved.iter().map(|m| m.1).sum();
+        let largest = moved.iter().map(|m| m.1.length()).fold(0.0, f64::max);
+        let exponent = |i: usize| f64::from(self.wires[i].wire.exponent.unwrap_or(self.blend.exponent));
+        let blend =
+            mean(moved.iter().map(|&(i, delta)| (exponent(i) * (delta.length() / largest).ln(), delta)));
+        let k = f64::from(self.blend.locality);
+        let near = acting.iter().filter(|(f, _)| *f > 0.0);
+        let local = mean(near.map(|&(f, delta)| (k * f.ln(), delta)));
+        p + blend.lerp(sum, self.blend.crossing.into()).lerp(local, self.blend.localize.into())
+    }
+
+    /// `F` and `ΔP` of each wire. Of a group only the wire whose `R` is nearest acts, whatever its radius; of those
+    /// that are equally near (to [`TIE`]) the first.
+    fn acting(&self, p: DVec3) -> Vec<(f64, DVec3)> {
+        let feet: Vec<Foot> = self.wires.iter().map(|wire| wire.feet.closest(p)).collect();
+        let distance = |i: &usize| feet[*i].distance;
+        let acts = |i: usize| {
+            let Some(group) = self.wires[i].wire.group else { return true };
+            let members = (0..feet.len()).filter(|&j| self.wires[j].wire.group == Some(group));
+            let members: Vec<usize> = members.collect();
+            let least = members.iter().map(distance).fold(f64::INFINITY, f64::min);
+            let extent = members.iter().map(|&j| self.wires[j].feet.extent(p)).fold(0.0, f64::max);
+            members.into_iter().find(|j| distance(j) <= least + TIE * extent) == Some(i)
+        };
+        let one = |(i, foot): (usize, &Foot)| {
+            let wire = &self.wires[i];
+            if acts(i) { (wire.influence(foot), wire.displacement(p, foot)) } else { (0.0, DVec3::ZERO) }
+        };
+        feet.iter().enumerate().map(one).collect()
+    }
+}
+
+/// The mean of vectors by weights of which the logarithms are given, so that no power overflows.
+fn mean(weighted: impl Iterator<Item = (f64, DVec3)> + Clone) -> DVec3 {
+    let top = weighted.clone().map(|w| w.0).fold(f64::NEG_INFINITY, f64::max);
+    let weights = weighted.clone().map(|w| (w.0 - top).exp()).sum::<f64>();
+    weighted.map(|(log, v)| v * (log - top).exp()).sum::<DVec3>() / weights
+}

@@ -1,0 +1,65 @@
+//! How well the answer is defined at a point.
+//!
+//! The deformation is not continuous everywhere: the foot jumps across the medial axis, a corner's tangent steps,
+//! `m < 0` steps where an influence ends. There the answer hangs on the last bit of the input, and two
+//! right implementations may differ. A test leaves such points out, counts them, and bounds their number.
+
+use crate::blend::Scene;
+use crate::random::Random;
+use crate::wide;
+use glam::DVec3;
+use wirework_core::{Blend, Wire};
+
+/// How far the answer moves, at most, over some disturbances of the point and of all control points by
+/// `part` of their largest absolute coordinate.
+///
+/// # Panics
+/// When a wire's pose is not one of its reference.
+pub fn unsteadiness(wires: &[Wire], blend: &Blend, point: [f32; 3], part: f64) -> f64 {
+    let scene = Scene::new(wires, blend);
+    let p = wide(point);
+    let answer = scene.deform_wide(p) - p;
+    let curves = wires.iter().flat_map(|wire| wire.reference.points().iter().chain(&wire.pose));
+    let extent = curves.map(|&c| wide(c).abs().max_element()).fold(p.abs().max_element(), f64::max);
+    let mut noise = Noise(Random::new(0x5EED));
+    let mut worst: f64 = 0.0;
+    let mut look = |scene: &Scene, shift: DVec3| {
+        let moved = scene.deform_wide(p + shift) - (p + shift);
+        worst = worst.max(moved.distance(answer));
+    };
+    for _ in 0..POINT_SHIFTS {
+        look(&scene, noise.vector() * (part * extent));
+    }
+    for _ in 0..CURVE_SHIFTS {
+        let wires: Vec<Wire> = wires.iter().map(|wire| noise.disturb(wire, part * extent)).collect();
+        let shifted = Scene::new(&wires, blend);
+        look(&shifted, DVec3::ZERO);
+        look(&shifted, noise.vector() * (part * extent));
+    }
+    worst
+}
+
+const POINT_SHIFTS: usize = 24;
+const CURVE_SHIFTS: usize = 8;
+
+/// Random disturbances, the same every time.
+struct Noise(Random);
+
+impl Noise {
+    /// Components in `[-1, 1)`.
+    fn vector(&mut self) -> DVec3 {
+        DVec3::from_array(self.0.vector(1.0))
+    }
+
+    /// Control points stay float32: each coordinate moves by `step`, or by its own last bit where that is more.
+    fn disturb(&mut self, wire: &Wire, step: f64) -> Wire {
+        let mut wire = wire.clone();
+        let mut shift = |p: &[f32; 3]| (wide(*p) + self.vector() * step).as_vec3().to_array();
+        let moved: Vec<[f32; 3]> = wire.reference.points().iter().map(&mut shift).collect();
+        // What has not moved stays so: equal control points get equal shifts.
+        let pose = wire.pose.iter().zip(wire.reference.points()).zip(&moved);
+        wire.pose = pose.map(|((w, r), moved)| if w == r { *moved } else { shift(w) }).collect();
+        wire.reference = wire.reference.posed(moved).expect("as many points, all finite");
+        wire
+    }
+}

@@ -1,0 +1,244 @@
+//! Random rigs for tests and benchmarks, biased to trouble: points on the wires, at exactly `r` and beyond the
+//! ends, symmetric and folded curves, coincident control points, wires that only partly move, mixed exponents.
+
+use crate::random::Random;
+use crate::{closest, point};
+use glam::{DQuat, DVec3};
+use wirework_core::{
+    Bend, Blend, Correspondence, Curve, CurveKind, Density, Interpolation, Locator, Profile, Wire,
+};
+
+/// Wires, their blend, and points to deform.
+#[derive(Clone, Debug)]
+pub struct Rig {
+    /// 1 to 5.
+    pub wires: Vec<Wire>,
+    /// How they blend.
+    pub blend: Blend,
+    /// In mesh order: a grid, then points in trouble.
+    pub points: Vec<[f32; 3]>,
+}
+
+impl Rig {
+    /// The rig of a seed. Its size is a power of ten from 1e-3 to 1e3, its centre up to twice that off the origin.
+    pub fn new(seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let frame = Frame {
+            size: 10_f64.powf(random.range(-3.0, 3.0)),
+            center: if random.one_in(2) { DVec3::ZERO } else { DVec3::from_array(random.vector(2.0)) },
+        };
+        let count = 1 + random.below(5);
+        let wires: Vec<Wire> = (0..count).map(|i| wire(&mut random, &frame, seed as usize + i)).collect();
+        let blend = Blend {
+            exponent: random.pick(&[1.0, 1.0, 0.0, 2.0, 5.0, -1.0, -2.0]),
+            crossing: random.pick(&[0.0, 0.0, 0.4, 1.0]),
+            localize: random.pick(&[0.0, 0.0, 0.3, 1.0]),
+            locality: random.pick(&[1.0, 0.0, 2.5]),
+        };
+        let points = points(&mut random, &frame, &wires);
+        Self { wires, blend, points }
+    }
+
+    /// The same wires at rest: nothing moves.
+    #[must_use]
+    pub fn at_rest(&self) -> Self {
+        let mut rig = self.clone();
+        for wire in &mut rig.wires {
+            wire.pose = wire.reference.points().to_vec();
+            (wire.scale, wire.twist) = (1.0, 0.0);
+            for locator in &mut wire.locators {
+                (locator.scale, locator.twist) = (None, None);
+            }
+        }
+        rig
+    }
+
+    /// The diagonal of the box about the points and all control points, at rest and posed.
+    pub fn diagonal(&self) -> f64 {
+        let of_wire = |wire: &Wire| [wire.reference.points().to_vec(), wire.pose.clone()].concat();
+        let curves: Vec<[f32; 3]> = self.wires.iter().flat_map(of_wire).collect();
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &p in self.points.iter().chain(&curves) {
+            (low, high) = (low.min(crate::wide(p)), high.max(crate::wide(p)));
+        }
+        (high - low).length()
+    }
+}
+
+/// Where random positions lie.
+struct Frame {
+    size: f64,
+    center: DVec3,
+}
+
+impl Frame {
+    fn place(&self, p: DVec3) -> [f32; 3] {
+        (self.size * (self.center + p)).as_vec3().to_array()
+    }
+}
+
+const KINDS: [CurveKind; 6] = [
+    CurveKind::BSpline { degree: 3 },
+    CurveKind::Polyline,
+    CurveKind::BSpline { degree: 2 },
+    CurveKind::CatmullRom,
+    CurveKind::Bezier,
+    CurveKind::BSpline { degree: 1 },
+];
+
+fn wire(random: &mut Random, frame: &Frame, turn: usize) -> Wire {
+    // Each kind in turn, so that few seeds meet all.
+    let (kind, closed) = (KINDS[turn % KINDS.len()], random.one_in(3));
+    let rest = controls(random, kind, closed);
+    let posed = posed(random, &rest);
+    let place = |points: &[DVec3]| points.iter().map(|p| frame.place(*p)).collect::<Vec<_>>();
+    let reference = Curve::new(kind, closed, place(&rest)).expect("as many points as the kind needs");
+    let attributes = |random: &mut Random| Locator {
+        u: 0.0,
+        radius: Some((frame.size * random.range(0.2, 1.2)) as f32),
+        scale: Some(random.pick(&[1.0, 1.0, 0.0, 0.4, 1.8])),
+        rotation: Some(random.pick(&[1.0, 1.0, 0.0, 0.5, -1.0])),
+        amplitude: Some(random.pick(&[1.0, 1.0, 0.6, -0.5])),
+        twist: Some(random.pick(&[0.0, 0.0, 0.7, -9.0])),
+    };
+    let own = attributes(random);
+    let mut locators: Vec<Locator> = (0..random.pick(&[0, 0, 0, 1, 2, 3]))
+        .map(|_| {
+            let all = attributes(random);
+            let anywhere = random.range(0.0, 1.0) as f32;
+            let u = random.pick(&[0.0, 0.25, 0.5, 1.0, anywhere]);
+            let mut some = |value: Option<f32>| value.filter(|_| random.one_in(2));
+            Locator {
+                radius: some(all.radius),
+                scale: some(all.scale),
+                rotation: some(all.rotation),
+                amplitude: some(all.amplitude),
+                twist: some(all.twist),
+                u,
+            }
+        })
+        .collect();
+    locators.sort_by(|a, b| a.u.total_cmp(&b.u));
+    locators.dedup_by_key(|l| l.u);
+    let value = |v: Option<f32>| v.unwrap_or(1.0);
+    Wire {
+        pose: if random.one_in(12) { reference.points().to_vec() } else { place(&posed) },
+        radius: value(own.radius),
+        scale: value(own.scale),
+        rotation: value(own.rotation),
+        amplitude: value(own.amplitude),
+        twist: value(own.twist),
+        density: density(random),
+        locators,
+        interpolation: random.pick(&[Interpolation::Linear, Interpolation::Smooth]),
+        correspondence: random.pick(&[Correspondence::Parameter, Correspondence::ArcLength]),
+        bend: random.pick(&[Bend::Tangent, Bend::Tangent, Bend::Transport]),
+        group: random.pick(&[None, None, None, Some(0), Some(1)]),
+        exponent: random.pick(&[None, None, None, Some(0.0), Some(3.0), Some(-1.5)]),
+        ..Wire::new(reference)
+    }
+}
+
+fn density(random: &mut Random) -> Density {
+    let profile = Profile::new(&[(0.2, 0.9), (0.5, 0.3), (0.7, 0.3)]).expect("a density");
+    random.pick(&[
+        Density::Quartic,
+        Density::Quartic,
+        Density::Sextic,
+        Density::Smoothstep,
+        Density::Linear,
+        Density::Fold(1.0),
+        Density::Fold(3.5),
+        Density::Profile(profile),
+    ])
+}
+
+fn controls(random: &mut Random, kind: CurveKind, closed: bool) -> Vec<DVec3> {
+    let count = match (kind, closed) {
+        (CurveKind::Bezier, false) => 1 + 3 * random.pick(&[1, 1, 2, 3]),
+        (CurveKind::Bezier, true) => 3 * random.pick(&[1, 2, 3]),
+        _ => random.pick(&[1, 2, 3, 4, 4, 5, 6, 8]),
+    };
+    let mut points: Vec<DVec3> = match random.below(5) {
+        // Anywhere.
+        0 | 1 => (0..count).map(|_| DVec3::from_array(random.vector(1.0))).collect(),
+        // Along a line, a little off it.
+        2 => {
+            let off = random.pick(&[0.0, 0.2]);
+            let x = |i: usize| 2.0 * i as f64 / count as f64 - 1.0;
+            (0..count).map(|i| DVec3::X * x(i) + DVec3::from_array(random.vector(off))).collect()
+        }
+        // Round a circle.
+        3 => {
+            let angle = |i: usize| std::f64::consts::TAU * i as f64 / count as f64;
+            (0..count).map(|i| DVec3::new(angle(i).cos(), 0.0, angle(i).sin()) * 0.8).collect()
+        }
+        // On a coarse lattice: symmetric, with ties.
+        _ => (0..count).map(|_| (DVec3::from_array(random.vector(1.0)) * 2.0).round() * 0.5).collect(),
+    };
+    if count > 2 && random.one_in(6) {
+        let i = random.below(count - 1);
+        points[i + 1] = points[i];
+    }
+    if count > 3 && random.one_in(8) {
+        // A hairpin.
+        points[count - 1] = points[count - 3] + DVec3::from_array(random.vector(0.02));
+    }
+    points
+}
+
+fn posed(random: &mut Random, rest: &[DVec3]) -> Vec<DVec3> {
+    match random.below(5) {
+        0 => {
+            let turn = DQuat::from_scaled_axis(DVec3::from_array(random.vector(2.0)));
+            let shift = DVec3::from_array(random.vector(0.5));
+            rest.iter().map(|&p| turn * p + shift).collect()
+        }
+        1 => {
+            // Only some points move.
+            let first = random.below(rest.len());
+            let shift = DVec3::from_array(random.vector(0.6));
+            rest.iter().enumerate().map(|(i, &p)| if i < first { p } else { p + shift }).collect()
+        }
+        2 => rest.iter().rev().map(|&p| p + DVec3::Y * 0.1).collect(),
+        _ => {
+            let size = random.pick(&[0.02, 0.3, 0.8]);
+            rest.iter().map(|&p| p + DVec3::from_array(random.vector(size))).collect()
+        }
+    }
+}
+
+/// Side of the grid of points.
+const SIDE: usize = 10;
+
+fn points(random: &mut Random, frame: &Frame, wires: &[Wire]) -> Vec<[f32; 3]> {
+    let tilt = DQuat::from_scaled_axis(DVec3::from_array(random.vector(1.0)));
+    let tilt = if random.one_in(2) { DQuat::IDENTITY } else { tilt };
+    let cell = |i: usize| 2.6 * i as f64 / (SIDE - 1) as f64 - 1.3;
+    let mut points: Vec<[f32; 3]> = (0..SIDE * SIDE)
+        .map(|i| frame.place(tilt * DVec3::new(cell(i % SIDE), 0.05, cell(i / SIDE))))
+        .collect();
+    for wire in wires {
+        let curve = &wire.reference;
+        for _ in 0..12 {
+            let anywhere = random.range(0.0, 1.0);
+            let u = random.pick(&[0.0, 0.5, 1.0, anywhere, anywhere]);
+            let on = DVec3::from_array(point(curve, u));
+            let away = DVec3::from_array(random.vector(1.0)).normalize_or_zero();
+            let r = f64::from(wire.radius);
+            let reach = random.pick(&[0.0, 1e-6, 0.1, 0.5, 1.0 - 1e-7, 1.0, 1.0 + 1e-7, 1.5]) * r;
+            points.push((on + away * reach).as_vec3().to_array());
+            // At exactly r, or as near as float32 comes, from its own foot.
+            let outside = on + away * frame.size;
+            let foot = closest(curve, outside.to_array());
+            let out = (outside - DVec3::from_array(foot.point)).normalize_or_zero();
+            points.push((DVec3::from_array(foot.point) + out * r).as_vec3().to_array());
+        }
+        for (end, next) in [(0.0, 0.01), (1.0, 0.99)] {
+            let (a, b) = (DVec3::from_array(point(curve, end)), DVec3::from_array(point(curve, next)));
+            let beyond = (a - b).normalize_or_zero() * (frame.size * random.range(0.0, 0.4));
+            points.push((a + beyond).as_vec3().to_array());
+        }
+    }
+    points
+}

@@ -1,0 +1,185 @@
+//! Creases: wires whose crest stands over a line on the surface.
+//!
+//! `R` passes through points of the surface at equal steps of arc length, so that its parameter *is* the fraction of
+//! arc length; `W = R + intensity · height · N`, with `N` the outward unit normals. Both are quadratic B-splines of
+//! the same nodes ([`fit`](crate::fit)). The wire only translates (`rotation` 0): bending the object with the
+//! slope of the crest would lean the fold over.
+//!
+//! # How fine
+//!
+//! A point of the surface at distance `e` from `R` rises by `F = f(e/r)` instead of 1. The sharpest density loses
+//! `2 e/r`, so `e ≤ 0.005 r` costs 1 % of the height; `N` between its nodes may be off by another 1 %. Together they keep
+//! the crest within 3 %. A crease starts with a span a third of the thickness, which on a surface of radius `ρ` leaves
+//! `e` about `(r/3)⁴/(400 ρ³)`, and is refined where the surface (an edge, a facet) asks for more.
+
+use wirework_core::{Blend, Curve, CurveKind, Density, Keyed, Wire};
+
+use crate::drawn::{Ground, Trace, wide};
+use crate::fit::{interpolate, nodes};
+use crate::height::{MIN_SPANS_VARYING, height};
+use crate::random::{Jitter, unit};
+use crate::{Pattern, SurfaceView, Wrinkle, WrinkleError};
+
+/// How far `R` may leave the surface, in parts of the thickness.
+const OFF_SURFACE: f64 = 0.005;
+/// How far `N` may be from length 1 between its nodes.
+const OFF_UNIT: f64 = 0.01;
+/// Spans in the length of a thickness at the coarsest, and how often they are halved at most: a hard edge across
+/// a crease never gets within [`OFF_SURFACE`], and a span of 1/24 of the thickness cuts it by 1/70.
+const SPANS_A_THICKNESS: f64 = 3.0;
+const HALVINGS: usize = 3;
+/// Spans of a crease: enough to follow a bend, and not so many that a tiny thickness takes for ever.
+const SPANS: std::ops::RangeInclusive<usize> = 8..=1024;
+
+/// The creases of a wrinkle on a surface, ready for any moment.
+#[derive(Clone, Debug)]
+pub struct Creases {
+    creases: Vec<Crease>,
+    density: Density,
+    thickness: Keyed<f32>,
+    intensity: Keyed<f32>,
+    propagation: Keyed<f32>,
+    resistance: f64,
+    blend: Blend,
+}
+
+#[derive(Clone, Debug)]
+struct Crease {
+    reference: Curve,
+    /// What a height of 1 adds to each control point.
+    lift: Vec<[f32; 3]>,
+    /// Distance of each control point's node from the origin, as a fraction of the crease.
+    fractions: Vec<f64>,
+    /// Its own part of the height.
+    strength: f64,
+}
+
+/// Lays the creases of a wrinkle on a surface; one a curve of the pattern, in their order.
+pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases, WrinkleError> {
+    settings.check()?;
+    let ground = Ground::new(surface)?;
+    let Pattern::Drawn(curves) = &settings.pattern;
+    // The finest it will ever be, so that a keyed thickness does not move the references.
+    let thickness = settings.thickness.values().copied().fold(f32::INFINITY, f32::min);
+    let lay = |(index, curve)| {
+        let trace = Trace::drop(&ground, curve, index, settings, thickness)?;
+        let strength =
+            1.0 - 0.5 * f64::from(settings.randomness) * unit(settings.seed, index, Jitter::Height);
+        Crease::new(&ground, &trace, curve.closed(), f64::from(thickness), settings.varies(), strength)
+            .ok_or(WrinkleError::NoNormal { curve: index })
+    };
+    Ok(Creases {
+        creases: curves.iter().enumerate().map(lay).collect::<Result<_, _>>()?,
+        // 1, 2, 4: half of the height lies at 0.29, 0.54 and 0.74 of the thickness.
+        density: Density::Fold(4.0_f32.powf(settings.stiffness)),
+        thickness: settings.thickness.clone(),
+        intensity: settings.intensity.clone(),
+        propagation: settings.propagation.clone(),
+        resistance: f64::from(settings.resistance),
+        blend: settings.blend,
+    })
+}
+
+impl Creases {
+    /// How many creases there are.
+    pub fn len(&self) -> usize {
+        self.creases.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.creases.is_empty()
+    }
+
+    /// How the wires' displacements become one.
+    pub fn blend(&self) -> Blend {
+        self.blend
+    }
+
+    /// The wires at `seconds`, one a crease, in place of what `wires` held. Their references are the same at all times,
+    /// bit for bit. Wires of an earlier moment are updated without allocating.
+    pub fn wires_at(&self, seconds: f64, wires: &mut Vec<Wire>) {
+        wires.truncate(self.creases.len());
+        for (i, crease) in self.creases.iter().enumerate() {
+            match wires.get_mut(i) {
+                Some(wire) if wire.reference == crease.reference => {}
+                Some(wire) => *wire = self.wire(crease),
+                None => wires.push(self.wire(crease)),
+            }
+        }
+        let intensity = f64::from(self.intensity.at(seconds));
+        let propagation = f64::from(self.propagation.at(seconds));
+        let radius = self.thickness.at(seconds);
+        for (wire, crease) in wires.iter_mut().zip(&self.creases) {
+            wire.radius = radius;
+            let rise = |x: f64| intensity * crease.strength * height(x, self.resistance, propagation);
+            let points = crease.reference.points().iter().zip(&crease.lift).zip(&crease.fractions);
+            wire.pose.clear();
+            wire.pose.extend(points.map(|((p, lift), &x)| {
+                let rise = rise(x);
+                [0, 1, 2].map(|a| (f64::from(p[a]) + f64::from(lift[a]) * rise) as f32)
+            }));
+        }
+    }
+
+    fn wire(&self, crease: &Crease) -> Wire {
+        Wire { rotation: 0.0, density: self.density.clone(), ..Wire::new(crease.reference.clone()) }
+    }
+}
+
+impl Crease {
+    /// `None` where the surface has no normal.
+    fn new(
+        ground: &Ground,
+        trace: &Trace,
+        closed: bool,
+        thickness: f64,
+        varies: bool,
+        strength: f64,
+    ) -> Option<Self> {
+        let least = if varies { MIN_SPANS_VARYING } else { *SPANS.start() };
+        let coarsest = (trace.length() / thickness * SPANS_A_THICKNESS).ceil() as usize;
+        let mut spans = coarsest.clamp(least, *SPANS.end());
+        for _ in 0..HALVINGS {
+            let crease = Self::of_spans(ground, trace, closed, spans, strength)?;
+            if spans == *SPANS.end() || crease.follows(ground, thickness, spans) {
+                return Some(crease);
+            }
+            spans = (spans * 2).min(*SPANS.end());
+        }
+        Self::of_spans(ground, trace, closed, spans, strength)
+    }
+
+    fn of_spans(ground: &Ground, trace: &Trace, closed: bool, spans: usize, strength: f64) -> Option<Self> {
+        let nodes = nodes(spans, closed);
+        let mut positions = Vec::with_capacity(nodes.len());
+        let mut normals = Vec::with_capacity(nodes.len());
+        for &u in &nodes {
+            let footing = trace.footing(ground, u)?;
+            positions.push(footing.position);
+            normals.push(footing.normal);
+        }
+        let points = |values: &[glam::DVec3]| -> Vec<[f32; 3]> {
+            interpolate(values, closed).iter().map(|p| p.as_vec3().to_array()).collect()
+        };
+        let reference = Curve::new(CurveKind::BSpline { degree: 2 }, closed, points(&positions)).ok()?;
+        // A closed crease grows both ways from its first end.
+        let fraction = |u: f64| if closed { 2.0 * u.min(1.0 - u) } else { u };
+        let fractions = nodes.into_iter().map(fraction).collect();
+        Some(Self { reference, lift: points(&normals), fractions, strength })
+    }
+
+    /// Whether it keeps to the surface and to its height between the nodes: where spans meet.
+    fn follows(&self, ground: &Ground, thickness: f64, spans: usize) -> bool {
+        let Ok(lift) = self.reference.posed(self.lift.clone()) else { return true };
+        (0..=spans).all(|i| {
+            let u = i as f32 / spans as f32;
+            let off = ground.distance(wide(self.reference.point(u)));
+            off <= OFF_SURFACE * thickness && (wide(lift.point(u)).length() - 1.0).abs() <= OFF_UNIT
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "crease_tests.rs"]
+mod tests;

@@ -1,0 +1,33 @@
+//! Wrinkles: crease wires on a surface.
+//!
+//! A crease is one wire. Its reference curve `R` lies on the undeformed surface, its wire curve `W` stands over it
+//! by the height of the crest, along the outward normals; the wire's density is the cross-section of the fold. What
+//! depends on the surface is worked out once, by [`creases`]; the wires of a moment are then a few products a
+//! control point ([`Creases::wires_at`]), and their references never move, so that points stay bound.
+//!
+//! ```
+//! use wirework_core::Curve;
+//! use wirework_surface::grid;
+//! use wirework_wrinkle::{SurfaceView, Wrinkle, creases};
+//!
+//! let mesh = grid([2.0, 2.0], [32, 32], [0.0, 1.0, 0.0])?;
+//! let drawn = Curve::bspline(3, vec![[-0.8, 0.2, 0.0], [-0.2, 0.2, 0.5], [0.2, 0.2, -0.5], [0.8, 0.2, 0.0]])?;
+//! let settings = Wrinkle { stiffness: 0.5, ..Wrinkle::drawn(vec![drawn]) };
+//!
+//! let triangles = mesh.triangles()?;
+//! let creases = creases(&SurfaceView { positions: &mesh.positions, triangles: &triangles }, &settings)?;
+//! let mut wires = Vec::new();
+//! creases.wires_at(0.0, &mut wires);
+//! assert!((wires[0].pose[3][1] - 0.05).abs() < 1e-6); // the crest stands `intensity` over the grid
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod crease;
+mod drawn;
+mod fit;
+mod height;
+mod random;
+mod settings;
+
+pub use crease::{Creases, creases};
+pub use settings::{Pattern, SurfaceView, Wrinkle, WrinkleError};
