@@ -176,7 +176,8 @@ impl Gltf {
         let (bytes, start, stride) = self.view(view)?;
         let stride = stride.unwrap_or(size);
         if stride < size {
-            return Err(view.found(format!("a view with a stride of {stride}"), format!("a stride of at least {size}")));
+            return Err(view
+                .found(format!("a view with a stride of {stride}"), format!("a stride of at least {size}")));
         }
         let offset = json.uint_or("byteOffset", 0)?;
         if !start.wrapping_add(offset).is_multiple_of(component.size()) {
@@ -184,7 +185,10 @@ impl Gltf {
             let found = format!("data from byte {} of the buffer", start.saturating_add(offset));
             return Err(place.found(found, format!("a multiple of {}", component.size())));
         }
-        let end = (count - 1).checked_mul(stride).and_then(|n| n.checked_add(size)).and_then(|n| n.checked_add(offset));
+        let end = (count - 1)
+            .checked_mul(stride)
+            .and_then(|n| n.checked_add(size))
+            .and_then(|n| n.checked_add(offset));
         match end.filter(|&end| end <= bytes.len()).and_then(|end| bytes.get(offset..end)) {
             Some(bytes) => Ok(Strided { bytes, stride }),
             None => Err(json.found(
@@ -210,12 +214,7 @@ impl Gltf {
             })
     }
 
-    fn sparse<'a>(
-        &'a self,
-        json: Json<'a>,
-        of: usize,
-        size: usize,
-    ) -> Result<Sparse<'a>, AssetError> {
+    fn sparse<'a>(&'a self, json: Json<'a>, of: usize, size: usize) -> Result<Sparse<'a>, AssetError> {
         let count = json.need("count")?.uint()?;
         if count == 0 || count > of {
             return Err(json.need("count")?.fault(format!("1 to {of}, the elements of the accessor")));

@@ -140,7 +140,11 @@ fn add(
 }
 
 /// Missing or wrong bounds harm viewers, not us.
-fn check_bounds(accessor: &Accessor<'_>, values: &[[f32; 3]], warnings: &mut Vec<Warning>) -> Result<(), AssetError> {
+fn check_bounds(
+    accessor: &Accessor<'_>,
+    values: &[[f32; 3]],
+    warnings: &mut Vec<Warning>,
+) -> Result<(), AssetError> {
     if accessor.normalized {
         return Ok(());
     }

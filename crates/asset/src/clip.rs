@@ -50,20 +50,33 @@ impl Gltf {
         }
         let index = match clip {
             Clip::Into(index) => *index,
-            Clip::New(name) => self.append("animations", json!({ "name": name, "channels": [], "samplers": [] }))?,
+            Clip::New(name) => {
+                self.append("animations", json!({ "name": name, "channels": [], "samplers": [] }))?
+            }
         };
         let animation = self.entry_mut("animations", index)?;
         let malformed = |key: &str| {
-            AssetError::new(Place::Pointer(format!("/animations/{index}/{key}")), "a value of another kind", "an array")
+            AssetError::new(
+                Place::Pointer(format!("/animations/{index}/{key}")),
+                "a value of another kind",
+                "an array",
+            )
         };
-        let samplers = animation.get_mut("samplers").and_then(Value::as_array_mut).ok_or_else(|| malformed("samplers"))?;
+        let samplers = animation
+            .get_mut("samplers")
+            .and_then(Value::as_array_mut)
+            .ok_or_else(|| malformed("samplers"))?;
         let first = samplers.len();
         for &output in &outputs {
             samplers.push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
         }
-        let channels = animation.get_mut("channels").and_then(Value::as_array_mut).ok_or_else(|| malformed("channels"))?;
+        let channels = animation
+            .get_mut("channels")
+            .and_then(Value::as_array_mut)
+            .ok_or_else(|| malformed("channels"))?;
         for (k, track) in tracks.iter().enumerate() {
-            channels.push(json!({ "sampler": first + k, "target": { "node": track.node, "path": "weights" } }));
+            channels
+                .push(json!({ "sampler": first + k, "target": { "node": track.node, "path": "weights" } }));
         }
         Ok(())
     }
@@ -71,7 +84,11 @@ impl Gltf {
     fn check_free(&self, clip: usize, tracks: &[WeightTrack]) -> Result<(), AssetError> {
         let Some(animation) = self.list("animations").get(clip) else {
             let found = format!("{} clips", self.list("animations").len());
-            return Err(AssetError::new(Place::Pointer("/animations".into()), found, format!("a clip {clip}")));
+            return Err(AssetError::new(
+                Place::Pointer("/animations".into()),
+                found,
+                format!("a clip {clip}"),
+            ));
         };
         let channels = animation.get("channels").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
         for (k, channel) in channels.iter().enumerate() {

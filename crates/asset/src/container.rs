@@ -23,7 +23,9 @@ pub(crate) struct Chunks<'a> {
 
 /// Cuts a GLB file into its chunks.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Chunks<'_>, AssetError> {
-    let at = |byte: usize, found: String, expected: &str| AssetError::new(Place::Byte(byte as u64), found, expected);
+    let at = |byte: usize, found: String, expected: &str| {
+        AssetError::new(Place::Byte(byte as u64), found, expected)
+    };
     if bytes.len() < HEADER || bytes[..4] != MAGIC {
         return Err(at(0, format!("{} bytes that are no GLB header", bytes.len()), "a glTF binary file"));
     }
@@ -35,8 +37,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Chunks<'_>, AssetError> {
     let Some(body) = bytes.get(..length) else {
         return Err(at(8, format!("{} bytes of a file of {length}", bytes.len()), "the whole file"));
     };
-    let (kind, json, mut next) = chunk(body, HEADER)?
-        .ok_or_else(|| at(HEADER, "no chunk".to_owned(), "a JSON chunk"))?;
+    let (kind, json, mut next) =
+        chunk(body, HEADER)?.ok_or_else(|| at(HEADER, "no chunk".to_owned(), "a JSON chunk"))?;
     if kind != JSON {
         return Err(at(HEADER + 4, format!("a chunk of type {kind:#010x}"), "a JSON chunk first"));
     }
@@ -60,7 +62,11 @@ fn chunk(body: &[u8], at: usize) -> Result<Option<(u32, &[u8], usize)>, AssetErr
     }
     let place = Place::Byte(at as u64);
     let (Some(length), Some(kind)) = (word(body, at), word(body, at + 4)) else {
-        return Err(AssetError::new(place, format!("{} bytes", body.len() - at), "a chunk header of 8 bytes"));
+        return Err(AssetError::new(
+            place,
+            format!("{} bytes", body.len() - at),
+            "a chunk header of 8 bytes",
+        ));
     };
     let start = at + CHUNK_HEADER;
     let end = (start as u64).saturating_add(length as u64);

@@ -91,11 +91,19 @@ impl Gltf {
 
     /// The range of the last `length` bytes of the growing buffer.
     fn last(&self, length: usize) -> Range<usize> {
-        let end = self.growing.and_then(|index| self.buffers.get(index)).map_or(0, |buffer| buffer.bytes.len());
+        let end =
+            self.growing.and_then(|index| self.buffers.get(index)).map_or(0, |buffer| buffer.bytes.len());
         end.saturating_sub(length)..end
     }
 
-    fn find(&self, hash: u64, count: usize, with_bounds: bool, indices: &[u8], values: &[u8]) -> Option<usize> {
+    fn find(
+        &self,
+        hash: u64,
+        count: usize,
+        with_bounds: bool,
+        indices: &[u8],
+        values: &[u8],
+    ) -> Option<usize> {
         let bytes = &self.buffers.get(self.growing?)?.bytes;
         let same = |entry: &&Entry| {
             entry.count == count
@@ -121,4 +129,65 @@ fn encode(deltas: &[[f32; 3]]) -> Result<Encoded, AssetError> {
     let indices = changed.iter().flat_map(|&i| (i as u32).to_le_bytes().into_iter().take(size)).collect();
     let values: Vec<f32> = changed.iter().filter_map(|&i| deltas.get(i)).flatten().copied().collect();
     Ok(Encoded { indices: Some((size, indices)), values: bytes_of(&values)? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Limits, NewMesh};
+
+    fn document() -> Gltf {
+        let mesh = NewMesh { name: "p", positions: &[[0.0; 3]], normals: None, uvs: None, triangles: &[] };
+        let glb = Gltf::from_meshes("made", &[mesh]).unwrap().to_glb().unwrap();
+        Gltf::from_slice(&glb, "made", &Limits::default()).unwrap()
+    }
+
+    /// Writes deltas and reads them back.
+    fn back(gltf: &mut Gltf, deltas: &[[f32; 3]]) -> (usize, serde_json::Value) {
+        let index = gltf.append_deltas(deltas, true).unwrap();
+        let reference = json!(index);
+        let accessor = gltf.accessor(crate::json::Json::root(&reference)).unwrap();
+        let mut budget = crate::limits::Budget::new(&Limits::default());
+        assert_eq!(accessor.floats::<3>(&mut budget).unwrap(), deltas);
+        (index, accessor.json.value().clone())
+    }
+
+    #[test]
+    fn sparse_where_smaller_and_dense_elsewhere() {
+        let mut gltf = document();
+        for count in [1, 255, 256, 257, 65_536, 65_537, 70_000] {
+            let mut deltas = vec![[0.0; 3]; count];
+            let (_, zero) = back(&mut gltf, &deltas);
+            assert_eq!(zero["sparse"]["count"], 1, "all zeros");
+            assert_eq!((&zero["min"], &zero["max"]), (&json!([0.0, 0.0, 0.0]), &json!([0.0, 0.0, 0.0])));
+            deltas[count - 1] = [0.1, -2.0, 0.0];
+            let (_, one) = back(&mut gltf, &deltas);
+            assert_eq!(one.get("sparse").is_some(), count > 20, "{count}");
+            if count > 20 {
+                let kind = if count <= 256 {
+                    5121
+                } else if count <= 65_536 {
+                    5123
+                } else {
+                    5125
+                };
+                assert_eq!(one["sparse"]["indices"]["componentType"], kind);
+                let bounds = json!([[0.0, -2.0, 0.0], [f64::from(0.1_f32), 0.0, 0.0]]);
+                assert_eq!(json!([one["min"], one["max"]]), bounds);
+            }
+            let (_, all) = back(&mut gltf, &vec![[1.0; 3]; count]);
+            assert!(all.get("sparse").is_none());
+        }
+    }
+
+    #[test]
+    fn equal_content_is_written_once() {
+        let mut gltf = document();
+        let (first, _) = back(&mut gltf, &[[1.0; 3]; 4]);
+        let (other, _) = back(&mut gltf, &[[2.0; 3]; 4]);
+        let length = gltf.to_glb().unwrap().len();
+        assert_eq!((back(&mut gltf, &[[1.0; 3]; 4]).0, back(&mut gltf, &[[2.0; 3]; 4]).0), (first, other));
+        assert_eq!(gltf.to_glb().unwrap().len(), length);
+        assert_ne!(gltf.append_deltas(&[[1.0; 3]; 4], false).unwrap(), first, "without bounds it is another");
+    }
 }

@@ -11,7 +11,8 @@ use crate::limits::{Budget, Limits, Of};
 use crate::uri;
 
 /// Required extensions that keep the geometry in a form that is not decoded here.
-const COMPRESSED: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+const COMPRESSED: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Extensions that may be required: none of them changes where vertices are or how they are stored, except
 /// `KHR_mesh_quantization`, which the accessor views read.
@@ -158,6 +159,11 @@ impl Gltf {
         &self.warnings
     }
 
+    /// Adds to the warnings of the document.
+    pub fn warn(&mut self, code: &'static str, message: impl Into<String>) {
+        self.warnings.push(Warning::new(code, Place::File, message));
+    }
+
     pub(crate) fn root(&self) -> Json<'_> {
         Json::root(&self.json)
     }
@@ -174,7 +180,11 @@ impl Gltf {
     }
 
     /// The entry of the table `key` that `reference` names by its index.
-    pub(crate) fn follow<'a>(&'a self, key: &'a str, reference: Json<'_>) -> Result<(usize, Json<'a>), AssetError> {
+    pub(crate) fn follow<'a>(
+        &'a self,
+        key: &'a str,
+        reference: Json<'_>,
+    ) -> Result<(usize, Json<'a>), AssetError> {
         let index = reference.index(key.trim_end_matches('s'), self.count(key)?)?;
         Ok((index, self.root().need(key)?.item(index)?))
     }
@@ -197,7 +207,9 @@ impl Gltf {
                     Some(uri) => self.load_uri(uri, budget)?,
                     None => match bin.take().filter(|_| index == 0) {
                         Some(bytes) => (bytes, Source::Bin),
-                        None => return Err(buffer.found("no \"uri\"", "a \"uri\", or a BIN chunk for buffer 0")),
+                        None => {
+                            return Err(buffer.found("no \"uri\"", "a \"uri\", or a BIN chunk for buffer 0"));
+                        }
                     },
                 };
                 if length == 0 || length > bytes.len() {
@@ -216,7 +228,8 @@ impl Gltf {
         match uri::parse(uri.string()?).map_err(|expected| uri.fault(expected))? {
             uri::Target::Data(_, bytes) => Ok((bytes, Source::Data)),
             uri::Target::File(relative) => {
-                let folder = self.folder.as_deref().ok_or_else(|| uri.fault("data in the document itself"))?;
+                let folder =
+                    self.folder.as_deref().ok_or_else(|| uri.fault("data in the document itself"))?;
                 let bytes = uri::read_below(folder, &relative, budget);
                 bytes.map(|bytes| (bytes, Source::File)).map_err(|mut error| {
                     error.place = uri.place();
@@ -257,10 +270,15 @@ fn check_extensions(root: Json<'_>) -> Result<(), AssetError> {
         let extension = name.string()?;
         if COMPRESSED.contains(&extension) {
             let found = format!("the required extension {extension}");
-            return Err(name.found(found, "uncompressed geometry: decode the file first, with gltf-transform for instance"));
+            return Err(name.found(
+                found,
+                "uncompressed geometry: decode the file first, with gltf-transform for instance",
+            ));
         }
         if !UNDERSTOOD.contains(&extension) && !extension.starts_with(MATERIALS) {
-            return Err(name.found(format!("the required extension {extension}"), "extensions that are supported"));
+            return Err(
+                name.found(format!("the required extension {extension}"), "extensions that are supported")
+            );
         }
     }
     Ok(())

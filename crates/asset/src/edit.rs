@@ -27,7 +27,11 @@ impl Gltf {
     }
 
     /// The object `index` of the table `key`.
-    pub(crate) fn entry_mut(&mut self, key: &str, index: usize) -> Result<&mut Map<String, Value>, AssetError> {
+    pub(crate) fn entry_mut(
+        &mut self,
+        key: &str,
+        index: usize,
+    ) -> Result<&mut Map<String, Value>, AssetError> {
         let entry = self.table_mut(key)?.get_mut(index).and_then(Value::as_object_mut);
         entry.ok_or_else(|| misshapen(format!("/{key}/{index}"), "an object"))
     }
@@ -57,7 +61,10 @@ impl Gltf {
                 Some(bytes) if self.buffers.is_empty() => (bytes, Source::Bin),
                 orphan => {
                     self.orphan = orphan;
-                    (Vec::new(), if self.binary && self.buffers.is_empty() { Source::Bin } else { Source::New })
+                    (
+                        Vec::new(),
+                        if self.binary && self.buffers.is_empty() { Source::Bin } else { Source::New },
+                    )
                 }
             };
             let length = bytes.len();

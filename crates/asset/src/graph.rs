@@ -34,7 +34,11 @@ pub(crate) struct Graph {
 
 impl Gltf {
     /// Reads and checks all nodes, and walks the default scene: `scene`, else the first scene, else all roots.
-    pub(crate) fn graph(&self, budget: &mut Budget, warnings: &mut Vec<Warning>) -> Result<Graph, AssetError> {
+    pub(crate) fn graph(
+        &self,
+        budget: &mut Budget,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Graph, AssetError> {
         let Some(table) = self.table("nodes")? else {
             return Ok(Graph { nodes: Vec::new(), world: Vec::new(), shown: Vec::new() });
         };
@@ -79,8 +83,10 @@ impl Gltf {
             None => Vec::new(),
             Some(list) => list.items()?.map(|child| child.index("node", count)).collect::<Result<_, _>>()?,
         };
-        let mesh = json.get("mesh")?.map(|mesh| self.follow("meshes", mesh)).transpose()?.map(|(index, _)| index);
-        let skin = json.get("skin")?.map(|skin| self.follow("skins", skin)).transpose()?.map(|(index, _)| index);
+        let mesh =
+            json.get("mesh")?.map(|mesh| self.follow("meshes", mesh)).transpose()?.map(|(index, _)| index);
+        let skin =
+            json.get("skin")?.map(|skin| self.follow("skins", skin)).transpose()?.map(|(index, _)| index);
         let weights = json.get("weights")?.map(floats).transpose()?;
         Ok(Node { mesh, skin, weights, children, parent: None, local: local(json, warnings)? })
     }
@@ -114,7 +120,11 @@ fn local(json: Json<'_>, warnings: &mut Vec<Warning>) -> Result<DAffine3, AssetE
 }
 
 /// A 4 × 4 matrix, column by column, as an affine transform.
-pub(crate) fn affine(m: [f64; 16], json: Json<'_>, warnings: &mut Vec<Warning>) -> Result<DAffine3, AssetError> {
+pub(crate) fn affine(
+    m: [f64; 16],
+    json: Json<'_>,
+    warnings: &mut Vec<Warning>,
+) -> Result<DAffine3, AssetError> {
     if m.iter().any(|x| !x.is_finite()) {
         return Err(json.found("a matrix with a number that is not finite", "finite numbers"));
     }
@@ -170,5 +180,5 @@ fn cycle(nodes: &[Node], order: &[usize], table: Json<'_>) -> Result<AssetError,
         state[at] = 1;
         at = nodes[at].parent.unwrap_or(at);
     }
-    Ok(table.item(at)?.found("a node that is its own ancestor", "nodes that form trees"))
+    Ok(table.item(at)?.need("children")?.found("a node that is its own ancestor", "nodes that form trees"))
 }

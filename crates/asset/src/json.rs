@@ -148,8 +148,11 @@ impl<'a> Json<'a> {
         if index < count {
             return Ok(index);
         }
-        let expected =
-            if count == 0 { format!("no {what}: there are none") } else { format!("{what} 0 to {}", count - 1) };
+        let expected = if count == 0 {
+            format!("no {what}: there are none")
+        } else {
+            format!("{what} 0 to {}", count - 1)
+        };
         Err(self.found(format!("{what} {index}"), expected))
     }
 }

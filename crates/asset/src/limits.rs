@@ -75,7 +75,12 @@ impl Budget {
     }
 
     /// Takes `amount`, or says what there is too much of, at `place`.
-    pub(crate) fn charge(&mut self, of: Of, amount: u64, place: impl FnOnce() -> Place) -> Result<(), AssetError> {
+    pub(crate) fn charge(
+        &mut self,
+        of: Of,
+        amount: u64,
+        place: impl FnOnce() -> Place,
+    ) -> Result<(), AssetError> {
         let limit = match of {
             Of::FileBytes => self.limits.file_bytes,
             Of::JsonBytes => self.limits.json_bytes,
@@ -106,7 +111,8 @@ pub(crate) fn reserve<T>(count: usize) -> Result<Vec<T>, AssetError> {
     let mut out = Vec::new();
     out.try_reserve_exact(count).map_err(|_| {
         let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
-        AssetError::file(format!("data of {bytes} bytes"), "data that fits into memory").of_class(ErrorClass::Limit)
+        AssetError::file(format!("data of {bytes} bytes"), "data that fits into memory")
+            .of_class(ErrorClass::Limit)
     })?;
     Ok(out)
 }

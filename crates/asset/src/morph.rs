@@ -6,7 +6,6 @@ use crate::document::Gltf;
 use crate::edit::{drop_compressed, whole};
 use crate::error::{AssetError, Place, Warning};
 use crate::limits::Budget;
-use crate::rest::Rest;
 
 /// A morph target of one primitive: accessors of displacements, as [`Gltf::append_deltas`] makes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,7 +28,8 @@ pub struct MeshTarget {
 impl Gltf {
     /// How many morph targets a mesh has.
     pub fn target_count(&self, mesh: usize) -> usize {
-        let first = self.list("meshes").get(mesh).and_then(|mesh| mesh.get("primitives")?.get(0)?.get("targets"));
+        let first =
+            self.list("meshes").get(mesh).and_then(|mesh| mesh.get("primitives")?.get(0)?.get("targets"));
         first.and_then(Value::as_array).map_or(0, Vec::len)
     }
 
@@ -99,7 +99,9 @@ impl Gltf {
                 let Some(values) = self.continued(clip, sampler, before, after)? else { continue };
                 let output = self.append_scalars(&values, false)?;
                 let animation = self.entry_mut("animations", clip)?;
-                let Some(list) = animation.get_mut("samplers").and_then(Value::as_array_mut) else { continue };
+                let Some(list) = animation.get_mut("samplers").and_then(Value::as_array_mut) else {
+                    continue;
+                };
                 let Some(old) = list.get_mut(sampler) else { continue };
                 if !shared {
                     old["output"] = json!(output);
@@ -180,7 +182,11 @@ impl Gltf {
     /// Nodes that need none share the first mesh; nothing moves them, for the weights of their targets stay 0.
     ///
     /// Pairs of nodes and their targets, all of one mesh.
-    pub fn add_targets_by_node(&mut self, mesh: usize, nodes: &[(usize, &[MeshTarget])]) -> Result<(), AssetError> {
+    pub fn add_targets_by_node(
+        &mut self,
+        mesh: usize,
+        nodes: &[(usize, &[MeshTarget])],
+    ) -> Result<(), AssetError> {
         let mut groups: Vec<(&[MeshTarget], Vec<usize>)> = Vec::new();
         for &(node, targets) in nodes.iter().filter(|(_, targets)| !targets.is_empty()) {
             match groups.iter_mut().find(|(known, _)| *known == targets) {
@@ -221,7 +227,11 @@ fn extend_weights(entry: &mut Map<String, Value>, count: usize, always: bool) {
 }
 
 /// Continues `extras.targetNames`; targets that had no name get one, so that ours stand at their places.
-fn extend_names(entry: &mut Map<String, Value>, before: usize, targets: &[MeshTarget]) -> Result<(), &'static str> {
+fn extend_names(
+    entry: &mut Map<String, Value>,
+    before: usize,
+    targets: &[MeshTarget],
+) -> Result<(), &'static str> {
     let extras = entry.entry("extras").or_insert_with(|| json!({}));
     let extras = extras.as_object_mut().ok_or("extras is no object; the new morph targets have no names")?;
     let names = extras.entry("targetNames").or_insert_with(|| json!([]));
@@ -240,11 +250,4 @@ fn extend_names(entry: &mut Map<String, Value>, before: usize, targets: &[MeshTa
         names.push(json!(name));
     }
     Ok(())
-}
-
-impl Rest {
-    /// The parts of a node, in the order of its mesh's primitives.
-    pub fn parts_of(&self, node: usize) -> impl Iterator<Item = &crate::Part> {
-        self.parts.iter().filter(move |part| part.node == node)
-    }
 }

@@ -67,7 +67,8 @@ fn write_all(files: &[OutputFile], made: &mut Vec<PathBuf>) -> Result<(), AssetE
         ready.push((prepare(&path, &file.bytes, metadata.as_ref())?, path));
     }
     for (path, bytes) in devices {
-        let written = fs::OpenOptions::new().write(true).open(&path).and_then(|mut file| file.write_all(bytes));
+        let written =
+            fs::OpenOptions::new().write(true).open(&path).and_then(|mut file| file.write_all(bytes));
         written.map_err(|error| AssetError::output(&path, &error, "write"))?;
     }
     for (temporary, path) in ready {
@@ -144,7 +145,8 @@ mod tests {
         let at = |name: &str| folder.path().join(name);
         fs::write(at("a.bin"), "old").unwrap();
         fs::create_dir(at("b.gltf")).unwrap();
-        let files = [OutputFile::new(at("a.bin"), b"new".to_vec()), OutputFile::new(at("b.gltf"), b"new".to_vec())];
+        let files =
+            [OutputFile::new(at("a.bin"), b"new".to_vec()), OutputFile::new(at("b.gltf"), b"new".to_vec())];
         let error = write_files(&files).unwrap_err();
         assert_eq!(error.class, ErrorClass::Io);
         assert_eq!(fs::read(at("a.bin")).unwrap(), b"old");
@@ -175,7 +177,10 @@ mod tests {
         fs::hard_link(at("a"), at("hard")).unwrap();
         std::os::unix::fs::symlink(at("a"), at("soft")).unwrap();
         assert!(same_file(&at("a"), &at("hard")) && same_file(&at("a"), &at("soft")));
-        assert!(same_file(&at("a"), &folder.path().join("../").join(folder.path().file_name().unwrap()).join("a")));
+        assert!(same_file(
+            &at("a"),
+            &folder.path().join("../").join(folder.path().file_name().unwrap()).join("a")
+        ));
         assert!(!same_file(&at("a"), &at("other")) && !same_file(&at("a"), &at("none")));
         write_files(&[OutputFile::new(at("soft"), b"new".to_vec())]).unwrap();
         assert!(fs::symlink_metadata(at("soft")).unwrap().is_symlink());

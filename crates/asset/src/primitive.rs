@@ -61,7 +61,8 @@ impl Gltf {
             _ => 0,
         };
         if mode == Mode::Triangles && !length.is_multiple_of(3) {
-            let message = format!("{length} corners are no whole number of triangles; the last ones are left out");
+            let message =
+                format!("{length} corners are no whole number of triangles; the last ones are left out");
             warnings.push(Warning::new("corners", primitive.place(), message));
         }
         budget.charge(Of::ExpandedBytes, number as u64 * 12, || primitive.place())?;
@@ -80,7 +81,12 @@ impl Gltf {
     }
 
     /// The indices of a primitive, all of them below `count`; none where it has no list of them.
-    fn indices(&self, primitive: Json<'_>, count: usize, budget: &mut Budget) -> Result<Option<Vec<u32>>, AssetError> {
+    fn indices(
+        &self,
+        primitive: Json<'_>,
+        count: usize,
+        budget: &mut Budget,
+    ) -> Result<Option<Vec<u32>>, AssetError> {
         let Some(reference) = primitive.get("indices")? else {
             budget.charge(Of::Indices, count as u64, || primitive.place())?;
             return Ok(None);
@@ -94,7 +100,9 @@ impl Gltf {
         };
         let unsigned = matches!(
             accessor.component,
-            crate::accessor::Component::U8 | crate::accessor::Component::U16 | crate::accessor::Component::U32
+            crate::accessor::Component::U8
+                | crate::accessor::Component::U16
+                | crate::accessor::Component::U32
         );
         let Some(restart) = restart.filter(|_| unsigned) else {
             return Err(accessor.json.found("an accessor of another type", "indices: unsigned scalars"));

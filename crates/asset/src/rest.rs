@@ -2,8 +2,10 @@
 //! the world to the space of each mesh.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use glam::{DAffine3, DMat3, DVec3};
+use wirework_surface::{Corner, Mesh};
 
 use crate::attributes::{self, Local};
 use crate::document::Gltf;
@@ -139,15 +141,21 @@ impl Gltf {
             let Some(mesh) = graph.nodes[node].mesh else { continue };
             let joints = match graph.nodes[node].skin {
                 None => None,
-                Some(index) => {
-                    if !skins.contains_key(&index) {
+                Some(index) => Some(match skins.entry(index) {
+                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Vacant(place) => {
                         let json = self.root().need("skins")?.item(index)?;
-                        let matrices = skin::joint_matrices(self, json, &graph, &mut budget, &mut rest.warnings)?;
-                        skins.insert(index, matrices);
+                        place.insert(skin::joint_matrices(
+                            self,
+                            json,
+                            &graph,
+                            &mut budget,
+                            &mut rest.warnings,
+                        )?)
                     }
-                    skins.get(&index).map(Vec::as_slice)
-                }
+                }),
             };
+            let joints = joints.map(|joints| joints.as_slice());
             let shown = Shown { gltf: self, graph: &graph, node, mesh, joints };
             shown.read(&mut rest, &mut budget)?;
         }
@@ -221,7 +229,9 @@ impl Shown<'_> {
             (None, None) => return Ok(vec![0.0; targets]),
         };
         if weights.len() != targets {
-            return Err(place.found(format!("{} weights", weights.len()), format!("{targets}, one a morph target")));
+            return Err(
+                place.found(format!("{} weights", weights.len()), format!("{targets}, one a morph target"))
+            );
         }
         Ok(weights)
     }
@@ -254,7 +264,9 @@ impl Shown<'_> {
             let matrix = skinned.as_ref().map_or(node, |matrices| &matrices[v]);
             let world = single(matrix.transform_point3(DVec3::from_array(p.map(f64::from))));
             if world.iter().any(|c| !c.is_finite()) {
-                return Err(attributes.need("POSITION")?.found("a vertex beyond the range of floats", "finite vertices"));
+                return Err(attributes
+                    .need("POSITION")?
+                    .found("a vertex beyond the range of floats", "finite vertices"));
             }
             rest.positions.push(world);
         }
@@ -266,9 +278,10 @@ impl Shown<'_> {
                 Frame::Skin(ways)
             }
         };
-        let normals = local.normals.as_ref().map(|normals| {
-            normals.iter().enumerate().map(|(v, &n)| frame.way(v).normal(n)).collect()
-        });
+        let normals = local
+            .normals
+            .as_ref()
+            .map(|normals| normals.iter().enumerate().map(|(v, &n)| frame.way(v).normal(n)).collect());
         if normals.is_none() && Mode::read(primitive)? as u8 >= Mode::Triangles as u8 {
             let message = "there are no normals; they are computed where they are needed";
             rest.warnings.push(Warning::new("normals-missing", attributes.place(), message));
@@ -345,11 +358,17 @@ impl Rest {
     /// `positions` and `normals` are those of *all* vertices, as long as [`Rest::positions`], in world space. What
     /// equals the rest, bit for bit, gets deltas of exactly 0; elsewhere position + delta, taken through node or
     /// skin, is the deformed position, and normal + delta, of length 1, points along the deformed normal.
-    pub fn to_local(&self, block: usize, positions: &[[f32; 3]], normals: Option<&[[f32; 3]]>) -> LocalDeltas {
+    pub fn to_local(
+        &self,
+        block: usize,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+    ) -> LocalDeltas {
         let mut out = LocalDeltas::default();
         let Some(b) = self.blocks.get(block) else { return out };
         let range = b.first..b.first + b.count;
-        let (Some(rest), Some(now)) = (self.positions.get(range.clone()), positions.get(range.clone())) else {
+        let (Some(rest), Some(now)) = (self.positions.get(range.clone()), positions.get(range.clone()))
+        else {
             return out;
         };
         out.positions.reserve_exact(b.count);
@@ -369,9 +388,38 @@ impl Rest {
             (&b.normals, &b.local_normals, normals.and_then(|normals| normals.get(range)))
         {
             let deltas = rest.iter().zip(base).zip(now).enumerate();
-            out.normals = Some(deltas.map(|(v, ((n, base), now))| b.normal_delta(v, *n, *base, *now)).collect());
+            out.normals =
+                Some(deltas.map(|(v, ((n, base), now))| b.normal_delta(v, *n, *base, *now)).collect());
         }
         out
+    }
+}
+
+impl Rest {
+    /// The triangles of the scene as a polygon mesh with these positions and normals of all vertices, for an OBJ file.
+    /// A corner has the texture coordinates and the normal of its vertex, if there are any; `v` runs upwards.
+    pub fn to_mesh(&self, positions: &[[f32; 3]], normals: Option<&[[f32; 3]]>) -> Mesh {
+        let mut uvs = Vec::new();
+        let mut uv_of: Vec<Option<u32>> = vec![None; positions.len()];
+        for block in &self.blocks {
+            let Some(list) = &block.uvs else { continue };
+            for (slot, uv) in uv_of.iter_mut().skip(block.first).zip(list) {
+                *slot = Some(uvs.len() as u32);
+                uvs.push([uv[0], 1.0 - uv[1]]);
+            }
+        }
+        let corner = |&position: &u32| Corner {
+            position,
+            uv: uv_of.get(position as usize).copied().flatten(),
+            normal: normals.filter(|normals| (position as usize) < normals.len()).map(|_| position),
+        };
+        Mesh {
+            positions: positions.to_vec(),
+            uvs,
+            normals: normals.map(<[_]>::to_vec).unwrap_or_default(),
+            corners: self.triangles.as_flattened().iter().map(corner).collect(),
+            face_ends: (1..=self.triangles.len() as u32).map(|k| 3 * k).collect(),
+        }
     }
 }
 

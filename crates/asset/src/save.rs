@@ -74,7 +74,8 @@ impl Gltf {
     fn gltf_files(&self, out: &Path) -> Result<Vec<OutputFile>, AssetError> {
         let mut json = self.json.clone();
         let mut files = self.copies(out);
-        let stem = out.file_stem().map_or_else(|| "out".to_owned(), |stem| stem.to_string_lossy().into_owned());
+        let stem =
+            out.file_stem().map_or_else(|| "out".to_owned(), |stem| stem.to_string_lossy().into_owned());
         let taken: Vec<PathBuf> = self.references().into_iter().map(|(path, _)| path).collect();
         for (index, buffer) in self.buffers.iter().enumerate() {
             let stem = match buffer.source {
@@ -85,12 +86,14 @@ impl Gltf {
             let numbered = (2_usize..).map(|n| format!("{stem}_{n}.bin"));
             let mut names = std::iter::once(format!("{stem}.bin")).chain(numbered);
             let name = names.find(|name| !taken.contains(&PathBuf::from(name))).unwrap_or_default();
-            if let Some(entry) = json.pointer_mut(&format!("/buffers/{index}")).and_then(Value::as_object_mut) {
+            if let Some(entry) = json.pointer_mut(&format!("/buffers/{index}")).and_then(Value::as_object_mut)
+            {
                 entry.insert("uri".to_owned(), json!(utf8_percent_encode(&name, ESCAPED).to_string()));
             }
             files.push(OutputFile::new(out.with_file_name(name), buffer.bytes[..buffer.length].to_vec()));
         }
-        let mut text = serde_json::to_vec_pretty(&json).map_err(|error| AssetError::file(error.to_string(), "JSON"))?;
+        let mut text =
+            serde_json::to_vec_pretty(&json).map_err(|error| AssetError::file(error.to_string(), "JSON"))?;
         text.push(b'\n');
         files.push(OutputFile::new(out, text));
         Ok(files)
@@ -100,7 +103,9 @@ impl Gltf {
     fn references(&self) -> Vec<(PathBuf, Option<usize>)> {
         let mut out = Vec::new();
         let mut add = |value: &Value, image| {
-            if let Some(Ok(uri::Target::File(path))) = value.get("uri").and_then(Value::as_str).map(uri::parse) {
+            if let Some(Ok(uri::Target::File(path))) =
+                value.get("uri").and_then(Value::as_str).map(uri::parse)
+            {
                 out.push((path, image));
             }
         };
@@ -114,7 +119,9 @@ impl Gltf {
     fn copies(&self, out: &Path) -> Vec<OutputFile> {
         let Some(from) = self.folder.as_deref() else { return Vec::new() };
         let to = out.parent().unwrap_or(Path::new(""));
-        let canonical = |folder: &Path| if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.canonicalize();
+        let canonical = |folder: &Path| {
+            if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.canonicalize()
+        };
         if let (Ok(from), Ok(to)) = (canonical(from), canonical(to))
             && from == to
         {
@@ -151,7 +158,9 @@ impl Gltf {
             for view in json.get_mut("bufferViews").and_then(Value::as_array_mut).into_iter().flatten() {
                 move_view(view, &starts);
                 for extension in VIEW_EXTENSIONS {
-                    if let Some(view) = view.get_mut("extensions").and_then(|extensions| extensions.get_mut(extension)) {
+                    if let Some(view) =
+                        view.get_mut("extensions").and_then(|extensions| extensions.get_mut(extension))
+                    {
                         move_view(view, &starts);
                     }
                 }
@@ -162,8 +171,13 @@ impl Gltf {
             let Some((media, bytes)) = self.image(index, &mut budget) else { continue };
             let offset = align(&mut bin);
             bin.extend_from_slice(&bytes);
-            let view = push(&mut json, "bufferViews", json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }));
-            if let Some(image) = json.pointer_mut(&format!("/images/{index}")).and_then(Value::as_object_mut) {
+            let view = push(
+                &mut json,
+                "bufferViews",
+                json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }),
+            );
+            if let Some(image) = json.pointer_mut(&format!("/images/{index}")).and_then(Value::as_object_mut)
+            {
                 image.shift_remove("uri");
                 image.insert("mimeType".to_owned(), json!(media));
                 image.insert("bufferView".to_owned(), json!(view));
@@ -195,7 +209,9 @@ impl Gltf {
 
 /// Lets a view refer to the one buffer.
 fn move_view(view: &mut Value, starts: &[usize]) {
-    let Some(start) = view.get("buffer").and_then(whole).and_then(|buffer| starts.get(buffer)) else { return };
+    let Some(start) = view.get("buffer").and_then(whole).and_then(|buffer| starts.get(buffer)) else {
+        return;
+    };
     let offset = view.get("byteOffset").and_then(whole).unwrap_or(0);
     if let Some(view) = view.as_object_mut() {
         view.insert("buffer".to_owned(), json!(0));

@@ -93,14 +93,15 @@ impl Gltf {
     fn append_indices(&mut self, mesh: &NewMesh<'_>) -> Result<usize, AssetError> {
         let flat = mesh.triangles.as_flattened();
         // 65 535 is no index of 16 bits: it restarts primitives.
-        let short = mesh.positions.len() <= usize::from(u16::MAX);
+        let short = u16::try_from(mesh.positions.len()).is_ok();
         let mut bytes = crate::limits::reserve(flat.len() * if short { 2 } else { 4 })?;
         for &index in flat {
             bytes.extend_from_slice(&index.to_le_bytes()[..if short { 2 } else { 4 }]);
         }
         let view = self.append_view(&bytes, Some(INDICES))?;
         let kind = if short { 5123 } else { 5125 };
-        let accessor = json!({ "bufferView": view, "componentType": kind, "count": flat.len(), "type": "SCALAR" });
+        let accessor =
+            json!({ "bufferView": view, "componentType": kind, "count": flat.len(), "type": "SCALAR" });
         self.append("accessors", accessor)
     }
 }
@@ -128,4 +129,3 @@ fn check(mesh: &NewMesh<'_>) -> Result<(), AssetError> {
     }
     Ok(())
 }
-

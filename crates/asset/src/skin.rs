@@ -33,10 +33,15 @@ pub(crate) fn joint_matrices(
     if let Some(reference) = skin.get("inverseBindMatrices")? {
         let accessor = gltf.accessor(reference)?;
         if accessor.component != Component::F32 || accessor.lanes != 16 {
-            return Err(accessor.json.found("an accessor of another type", "inverse bind matrices: MAT4 of floats"));
+            return Err(accessor
+                .json
+                .found("an accessor of another type", "inverse bind matrices: MAT4 of floats"));
         }
         if accessor.count < count {
-            return Err(accessor.json.need("count")?.fault(format!("a matrix for each of the {count} joints")));
+            return Err(accessor
+                .json
+                .need("count")?
+                .fault(format!("a matrix for each of the {count} joints")));
         }
         for (matrix, inverse) in out.iter_mut().zip(accessor.floats::<16>(budget)?) {
             *matrix *= affine(inverse.map(f64::from), accessor.json, warnings)?;
@@ -97,8 +102,13 @@ fn joint_indices(
     budget: &mut Budget,
 ) -> Result<Vec<[u32; 4]>, AssetError> {
     let accessor = gltf.accessor(reference)?;
-    if !matches!(accessor.component, Component::U8 | Component::U16) || accessor.normalized || accessor.lanes != 4 {
-        return Err(accessor.json.found("an accessor of another type", "joints: VEC4 of 8 or 16 bit unsigned integers"));
+    if !matches!(accessor.component, Component::U8 | Component::U16)
+        || accessor.normalized
+        || accessor.lanes != 4
+    {
+        return Err(accessor
+            .json
+            .found("an accessor of another type", "joints: VEC4 of 8 or 16 bit unsigned integers"));
     }
     let indices = accessor.uints::<4>(budget)?;
     match indices.iter().flatten().find(|&&joint| joint as usize >= joints) {

@@ -1,16 +1,18 @@
 //! A deformed state as the document's own geometry, without a clip.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
 
 use crate::attributes::vectors;
 use crate::document::Gltf;
 use crate::edit::drop_compressed;
-use crate::error::{AssetError, Place};
+use crate::error::AssetError;
 use crate::limits::Budget;
 use crate::rest::{LocalDeltas, Rest};
 
 /// What a node's primitives become: for each the displacements of its vertices, none where nothing moves.
-type Change = Vec<Option<LocalDeltas>>;
+type Change<'a> = Vec<Option<&'a LocalDeltas>>;
 
 impl Gltf {
     /// Makes the deformed state of all vertices, in world space, the geometry of the document. Vertex counts and
@@ -36,19 +38,15 @@ impl Gltf {
     ) -> Result<usize, AssetError> {
         let deltas: Vec<LocalDeltas> =
             (0..rest.blocks.len()).map(|block| rest.to_local(block, positions, normals)).collect();
-        let mut meshes: Vec<(usize, Vec<(usize, Change)>)> = Vec::new();
+        let mut meshes: BTreeMap<usize, Vec<(usize, Change<'_>)>> = BTreeMap::new();
         for part in &rest.parts {
-            let at = meshes.iter().position(|(mesh, _)| *mesh == part.mesh).unwrap_or_else(|| {
-                meshes.push((part.mesh, Vec::new()));
-                meshes.len() - 1
-            });
-            let nodes = &mut meshes[at].1;
+            let nodes = meshes.entry(part.mesh).or_default();
             if nodes.last().is_none_or(|(node, _)| *node != part.node) {
                 nodes.push((part.node, Change::new()));
             }
             if let Some((_, change)) = nodes.last_mut() {
                 change.resize(change.len().max(part.primitive + 1), None);
-                change[part.primitive] = deltas.get(part.block).filter(|deltas| deltas.moves()).cloned();
+                change[part.primitive] = deltas.get(part.block).filter(|deltas| deltas.moves());
             }
         }
         for (mesh, nodes) in meshes {
@@ -58,8 +56,8 @@ impl Gltf {
     }
 
     /// Changes a mesh as its nodes need it; nodes that need it otherwise get copies.
-    fn change_mesh(&mut self, mesh: usize, nodes: Vec<(usize, Change)>) -> Result<(), AssetError> {
-        let mut groups: Vec<(Change, Vec<usize>)> = Vec::new();
+    fn change_mesh(&mut self, mesh: usize, nodes: Vec<(usize, Change<'_>)>) -> Result<(), AssetError> {
+        let mut groups: Vec<(Change<'_>, Vec<usize>)> = Vec::new();
         for (node, change) in nodes {
             if change.iter().all(Option::is_none) {
                 continue;
@@ -82,7 +80,7 @@ impl Gltf {
         Ok(())
     }
 
-    fn change_primitives(&mut self, mesh: usize, change: &Change) -> Result<(), AssetError> {
+    fn change_primitives(&mut self, mesh: usize, change: &Change<'_>) -> Result<(), AssetError> {
         let mut written: Vec<(usize, &LocalDeltas, usize)> = Vec::new();
         for (index, deltas) in change.iter().enumerate() {
             let Some(deltas) = deltas else { continue };
@@ -90,7 +88,7 @@ impl Gltf {
             for (key, values) in bases {
                 let Some(values) = values else { continue };
                 let (base, base_index) = self.base(mesh, index, key)?;
-                let known = written.iter().find(|(of, known, _)| *of == base_index && *known == deltas);
+                let known = written.iter().find(|(of, known, _)| *of == base_index && *known == *deltas);
                 let accessor = if let Some((_, _, accessor)) = known {
                     *accessor
                 } else {
@@ -111,7 +109,12 @@ impl Gltf {
     }
 
     /// The values that a primitive has now, and the accessor they are in.
-    fn base(&self, mesh: usize, primitive: usize, key: &'static str) -> Result<(Vec<[f32; 3]>, usize), AssetError> {
+    fn base(
+        &self,
+        mesh: usize,
+        primitive: usize,
+        key: &'static str,
+    ) -> Result<(Vec<[f32; 3]>, usize), AssetError> {
         let json = self.root().need("meshes")?.item(mesh)?.need("primitives")?.item(primitive)?;
         let accessor = vectors(self, json.need("attributes")?.need(key)?)?;
         Ok((accessor.floats::<3>(&mut Budget::new(&self.limits))?, accessor.index))
@@ -128,11 +131,4 @@ impl LocalDeltas {
 
 fn add(base: [f32; 3], delta: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|k| if delta[k] == 0.0 { base[k] } else { base[k] + delta[k] })
-}
-
-impl Gltf {
-    /// Adds to the warnings of the document.
-    pub fn warn(&mut self, code: &'static str, message: impl Into<String>) {
-        self.warnings.push(crate::Warning::new(code, Place::File, message));
-    }
 }

@@ -72,7 +72,8 @@ fn is_device(name: &str) -> bool {
 /// The part of a data URI behind `data:`.
 fn data_uri(text: &str) -> Result<Target, &'static str> {
     let (head, data) = text.split_once(',').ok_or("a data URI with a comma")?;
-    let encoded = head.len() >= 7 && head.get(head.len() - 7..).is_some_and(|e| e.eq_ignore_ascii_case(";base64"));
+    let encoded =
+        head.len() >= 7 && head.get(head.len() - 7..).is_some_and(|e| e.eq_ignore_ascii_case(";base64"));
     let media = if encoded { &head[..head.len() - 7] } else { head };
     let bytes = if encoded && data.contains('%') {
         let plain: Vec<u8> = percent_decode_str(data).collect();
@@ -96,7 +97,8 @@ pub(crate) fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, Ass
     budget.charge(Of::FileBytes, metadata.len(), || Place::File)?;
     let mut bytes = crate::limits::reserve(usize::try_from(metadata.len()).unwrap_or(usize::MAX))?;
     let room = budget.file_bytes_left();
-    let mut file = File::open(path).map_err(unreadable)?.take(metadata.len().saturating_add(room).saturating_add(1));
+    let mut file =
+        File::open(path).map_err(unreadable)?.take(metadata.len().saturating_add(room).saturating_add(1));
     file.read_to_end(&mut bytes).map_err(unreadable)?;
     let grown = (bytes.len() as u64).saturating_sub(metadata.len());
     budget.charge(Of::FileBytes, grown, || Place::File)?;
@@ -133,8 +135,25 @@ mod tests {
             assert!(matches!(parse(good), Ok(Target::File(_))), "{good}");
         }
         for bad in [
-            "", ".", "/", "..", "a/../b", "%2e%2e/x", "/dev/zero", "%2Fdev/zero", "C:\\x", "c:x", "a\\b", "http://x/y",
-            "javascript:1", "x\0.bin", "x%00.bin", "NUL", "sub/aux.bin", "Com1.txt", "%ff",
+            "",
+            ".",
+            "/",
+            "..",
+            "a/../b",
+            "%2e%2e/x",
+            "/dev/zero",
+            "%2Fdev/zero",
+            "C:\\x",
+            "c:x",
+            "a\\b",
+            "http://x/y",
+            "javascript:1",
+            "x\0.bin",
+            "x%00.bin",
+            "NUL",
+            "sub/aux.bin",
+            "Com1.txt",
+            "%ff",
         ] {
             assert!(parse(bad).is_err(), "{bad}");
         }

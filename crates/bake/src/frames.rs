@@ -45,8 +45,10 @@ pub enum BakeError {
     #[error(transparent)]
     Asset(#[from] AssetError),
     /// A mesh would need more targets than are allowed.
-    #[error("the mesh {mesh} needs more than {limit} morph targets ({own} are its own): {fit} of ours fit, which is \
-             until frame {frame} at {seconds} s; lower the frame rate, bake fewer frames or raise the limit")]
+    #[error(
+        "the mesh {mesh} needs more than {limit} morph targets ({own} are its own): {fit} of ours fit, which is \
+             until frame {frame} at {seconds} s; lower the frame rate, bake fewer frames or raise the limit"
+    )]
     TooManyTargets {
         /// The name of the mesh or its index, control characters escaped.
         mesh: String,
@@ -149,19 +151,21 @@ impl<'a> Baker<'a> {
     /// bit for bit, stays as it is.
     ///
     /// [`Block::normals`]: wirework_asset::Block::normals
-    pub fn push(&mut self, time: f64, positions: &[[f32; 3]], normals: Option<&[[f32; 3]]>) -> Result<(), BakeError> {
+    pub fn push(
+        &mut self,
+        time: f64,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+    ) -> Result<(), BakeError> {
         self.check(time, positions, normals)?;
-        let mut done: BTreeMap<usize, Option<MorphTarget>> = BTreeMap::new();
+        let mut stuck = 0;
+        let mut moved = Vec::with_capacity(self.rest.blocks.len());
+        for block in 0..self.rest.blocks.len() {
+            moved.push(self.block(block, positions, normals, &mut stuck)?);
+        }
         for index in 0..self.nodes.len() {
             let blocks = self.nodes[index].blocks.clone();
-            let mut content = Vec::with_capacity(blocks.len());
-            for &block in &blocks {
-                if !done.contains_key(&block) {
-                    let target = self.block(block, positions, normals)?;
-                    done.insert(block, target);
-                }
-                content.push(done.get(&block).copied().flatten());
-            }
+            let content: Vec<_> = blocks.iter().map(|&block| moved.get(block).copied().flatten()).collect();
             let target = if content.iter().all(Option::is_none) {
                 None
             } else {
@@ -173,11 +177,17 @@ impl<'a> Baker<'a> {
             };
             self.nodes[index].frames.push(target);
         }
+        self.stuck = self.stuck.max(stuck);
         self.times.push(time as f32);
         Ok(())
     }
 
-    fn check(&self, time: f64, positions: &[[f32; 3]], normals: Option<&[[f32; 3]]>) -> Result<(), BakeError> {
+    fn check(
+        &self,
+        time: f64,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+    ) -> Result<(), BakeError> {
         let (frame, expected) = (self.times.len(), self.rest.positions.len());
         for found in [Some(positions.len()), normals.map(<[_]>::len)].into_iter().flatten() {
             if found != expected {
@@ -202,9 +212,10 @@ impl<'a> Baker<'a> {
         block: usize,
         positions: &[[f32; 3]],
         normals: Option<&[[f32; 3]]>,
+        stuck: &mut usize,
     ) -> Result<Option<MorphTarget>, BakeError> {
         let deltas = self.rest.to_local(block, positions, normals);
-        self.stuck = self.stuck.max(deltas.stuck);
+        *stuck += deltas.stuck;
         if !deltas.moves() {
             return Ok(None);
         }
@@ -257,13 +268,11 @@ impl<'a> Baker<'a> {
     /// Adds targets and clip to the document.
     pub fn finish(self) -> Result<Baked, BakeError> {
         let Self { mut gltf, settings, times, nodes, stuck, .. } = self;
-        let mut meshes: Vec<usize> = nodes.iter().map(|track| track.mesh).collect();
-        meshes.sort_unstable();
-        meshes.dedup();
-        for mesh in meshes {
-            let tracks = nodes.iter().filter(|track| track.mesh == mesh);
-            let targets: Vec<(usize, &[MeshTarget])> =
-                tracks.map(|track| (track.node, track.targets.as_slice())).collect();
+        let mut meshes: BTreeMap<usize, Vec<(usize, &[MeshTarget])>> = BTreeMap::new();
+        for track in &nodes {
+            meshes.entry(track.mesh).or_default().push((track.node, &track.targets));
+        }
+        for (mesh, targets) in meshes {
             gltf.add_targets_by_node(mesh, &targets)?;
         }
         let moving: Vec<&NodeTrack> = nodes.iter().filter(|track| !track.targets.is_empty()).collect();
@@ -272,7 +281,10 @@ impl<'a> Baker<'a> {
         gltf.add_clip(&clip, &times, &tracks)?;
         let targets = moving.iter().map(|track| track.targets.len()).sum();
         if stuck > 0 {
-            gltf.warn("singular", format!("{stuck} vertices stay where they are: their transform has no inverse"));
+            gltf.warn(
+                "singular",
+                format!("{stuck} vertices stay where they are: their transform has no inverse"),
+            );
         }
         Ok(Baked { gltf, targets, nodes: moving.len(), stuck })
     }

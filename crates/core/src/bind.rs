@@ -11,7 +11,7 @@ use crate::blend::{self, Sums};
 use crate::cells::Cells;
 use crate::closest::Pieces;
 use crate::frame::Frame;
-use crate::kernel::{Displacements, RunPoints, displace};
+use crate::kernel::{Displacements, displace};
 use crate::runs::{Runs, StoredFoot, find_feet};
 use crate::spans::Spans;
 use crate::tiles::{TILE, Tile, Tiles, ball};
@@ -82,9 +82,12 @@ struct BoundWire {
     frame: Frame,
 }
 
+/// Room for the wires of one tile.
+type Scratch = (Vec<Displacements>, Option<Box<Sums>>);
+
 thread_local! {
     /// Grows to what the busiest tile needs and stays, so that a frame allocates nothing.
-    static SCRATCH: RefCell<(Vec<Displacements>, Option<Box<Sums>>)> = const { RefCell::new((Vec::new(), None)) };
+    static SCRATCH: RefCell<Scratch> = const { RefCell::new((Vec::new(), None)) };
 }
 
 impl Binding {
@@ -145,7 +148,9 @@ impl Binding {
         }
         let (bound, unit) = (&self.wires, self.unit);
         let work = |(index, (tile, out)): (usize, (&Tile, &mut [[f32; 3]]))| {
-            pulp::Arch::new().dispatch(|| deform_tile(bound, wires, blend, unit, index, tile, out));
+            SCRATCH.with_borrow_mut(|scratch| {
+                pulp::Arch::new().dispatch(DeformTile { bound, wires, blend, unit, index, tile, scratch, out });
+            });
         };
         if rayon::current_num_threads() == 1 {
             self.tiles.tiles.iter().zip(out.chunks_mut(TILE)).enumerate().for_each(work);
@@ -235,22 +240,29 @@ fn group_radius(wires: &[Wire], index: usize) -> f32 {
     wires.iter().filter(same).chain([wire]).map(largest_radius).fold(0.0, f32::max)
 }
 
-#[inline(always)]
-fn deform_tile(
-    bound: &[BoundWire],
-    wires: &[Wire],
-    blend: &Blend,
+/// Deforms one tile; compiled for the vector instructions the processor has.
+struct DeformTile<'a> {
+    bound: &'a [BoundWire],
+    wires: &'a [Wire],
+    blend: &'a Blend,
     unit: f32,
     index: usize,
-    tile: &Tile,
-    out: &mut [[f32; 3]],
-) {
-    SCRATCH.with_borrow_mut(|(displacements, sums)| {
+    tile: &'a Tile,
+    scratch: &'a mut Scratch,
+    out: &'a mut [[f32; 3]],
+}
+
+impl pulp::WithSimd for DeformTile<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        let (displacements, sums) = self.scratch;
         let mut used = 0;
-        for (bound, wire) in bound.iter().zip(wires) {
-            let runs = bound.runs.of_tile(index);
+        for (bound, wire) in self.bound.iter().zip(self.wires) {
+            let runs = bound.runs.of_tile(self.index);
             // A wire that has not moved still anchors its surroundings in the local blend.
-            if runs.is_empty() || (bound.frame.still && blend.localize == 0.0) {
+            if runs.is_empty() || (bound.frame.still && self.blend.localize == 0.0) {
                 continue;
             }
             if displacements.len() == used {
@@ -258,19 +270,14 @@ fn deform_tile(
             }
             let out = &mut displacements[used];
             out.clear();
-            out.exponent = wire.exponent.unwrap_or(blend.exponent);
+            out.exponent = wire.exponent.unwrap_or(self.blend.exponent);
             used += 1;
             for run in runs {
                 let cell = &bound.frame.cells[run.cell as usize];
-                let range = run.start as usize..run.end as usize;
-                let points = RunPoints {
-                    index: &bound.runs.index[range.clone()],
-                    t: &bound.runs.t[range.clone()],
-                    influence: &bound.runs.influence[range],
-                };
+                let points = bound.runs.points(run);
                 if !cell.still {
-                    displace(tile, &bound.frame, cell, points, out);
-                } else if blend.localize != 0.0 {
+                    displace(simd, self.tile, &bound.frame, cell, points, out);
+                } else if self.blend.localize != 0.0 {
                     for (&k, &f) in points.index.iter().zip(points.influence) {
                         out.influence[k as usize & (TILE - 1)] = f;
                     }
@@ -279,8 +286,8 @@ fn deform_tile(
         }
         let used = &mut displacements[..used];
         if used.len() > 1 {
-            sums.get_or_insert_with(|| Box::new(Sums::new())).combine(used, blend, unit);
+            sums.get_or_insert_with(|| Box::new(Sums::new())).combine(simd, used, self.blend, self.unit);
         }
-        blend::write(tile, used.first(), out);
-    });
+        blend::write(self.tile, used.first(), self.out);
+    }
 }

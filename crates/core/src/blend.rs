@@ -6,10 +6,13 @@
 //! Where all `m` are 0, 1 or 2 alike the weights are 1, `‖ΔPᵢ‖`, `‖ΔPᵢ‖²`: the common factor cancels. Otherwise they
 //! are powers of two of `mᵢ·log₂ wᵢ`, less the largest of these at the point, so that none overflows.
 
+use pulp::Simd;
+
 use crate::Blend;
 use crate::kernel::Displacements;
+use crate::simd::{Floats, Vectors};
 use crate::tiles::{TILE, Tile};
-use crate::trig::{exp2, log2};
+use crate::trig::{exp2_where, log2};
 
 type Row = [f32; TILE];
 
@@ -20,15 +23,43 @@ pub(crate) struct Sums {
     plain: [Row; 3],
     local: [Row; 3],
     local_weight: Row,
-    /// The largest `log₂ ‖ΔPᵢ‖`, then the largest exponent of two.
+    /// The largest `log₂ ‖ΔPᵢ‖`, or `k·log₂ F`, of a point's wires.
     largest: Row,
+    /// The largest exponent of two of a point's weights.
     peak: Row,
 }
 
 const ZERO: Row = [0.0; TILE];
 
-/// Stands for the logarithm of zero.
-const NOTHING: f32 = f32::NEG_INFINITY;
+/// Stands for the logarithm of zero; finite, so that differences are numbers.
+const NOTHING: f32 = -1e30;
+
+/// Reads the `i`-th vector of a row.
+#[inline(always)]
+fn read<S: Simd>(simd: S, row: &Row, i: usize) -> Floats<S> {
+    Floats(simd, Floats::<S>::vectors(row)[i])
+}
+
+/// Adds to the `i`-th vector of a row.
+#[inline(always)]
+fn add<S: Simd>(row: &mut Row, i: usize, x: Floats<S>) {
+    let row = Floats::<S>::vectors_mut(row);
+    row[i] = (Floats(x.0, row[i]) + x).1;
+}
+
+#[inline(always)]
+fn add3<S: Simd>(rows: &mut [Row; 3], i: usize, x: Vectors<S>) {
+    for axis in 0..3 {
+        add(&mut rows[axis], i, x.0[axis]);
+    }
+}
+
+impl Displacements {
+    #[inline(always)]
+    fn read<S: Simd>(&self, simd: S, i: usize) -> Vectors<S> {
+        Vectors([read(simd, &self.x, i), read(simd, &self.y, i), read(simd, &self.z, i)])
+    }
+}
 
 impl Sums {
     pub(crate) fn new() -> Self {
@@ -47,154 +78,167 @@ impl Sums {
     /// The blended displacement of every point of the tile, into the first of `wires`. `unit` is about one over the
     /// size of the scene, so that squares neither overflow nor vanish.
     #[inline(always)]
-    pub(crate) fn combine(&mut self, wires: &mut [Displacements], blend: &Blend, unit: f32) {
-        let Some(first) = wires.first() else { return };
-        if wires.len() == 1 {
-            return;
-        }
-        let m = first.exponent;
+    pub(crate) fn combine<S: Simd>(
+        &mut self,
+        simd: S,
+        wires: &mut [Displacements],
+        blend: &Blend,
+        unit: f32,
+    ) {
+        let Some(m) = wires.first().map(|w| w.exponent) else { return };
         let alike = wires.iter().all(|w| w.exponent == m);
-        (self.weighted, self.weight) = ([ZERO; 3], ZERO);
+        let unit = Floats::splat(simd, unit);
+        self.weighted.iter_mut().chain([&mut self.weight]).for_each(|row| row.fill(0.0));
         match m {
-            0.0 if alike => self.weigh(wires, unit, |square| f32::from(u8::from(square > 0.0))),
-            1.0 if alike => self.weigh(wires, unit, f32::sqrt),
-            2.0 if alike => self.weigh(wires, unit, |square| square),
-            _ => self.weigh_powers(wires, unit),
+            0.0 if alike => self.weigh::<S, 0>(unit, wires),
+            1.0 if alike => self.weigh::<S, 1>(unit, wires),
+            2.0 if alike => self.weigh::<S, 2>(unit, wires),
+            _ => self.weigh_powers(unit, wires),
         }
         if blend.crossing != 0.0 {
-            self.add_plain(wires);
+            self.add_plain(simd, wires);
         }
         if blend.localize != 0.0 {
-            self.add_local(wires, blend.locality);
+            self.add_local(Floats::splat(simd, blend.locality), wires);
         }
         let Some(out) = wires.first_mut() else { return };
         for (axis, out) in [&mut out.x, &mut out.y, &mut out.z].into_iter().enumerate() {
-            self.finish(axis, blend, out);
+            self.finish(simd, axis, blend, out);
         }
     }
 
+    /// Weights that are whole powers `M` of the displacements' lengths.
     #[inline(always)]
-    fn weigh(&mut self, wires: &[Displacements], unit: f32, weight: impl Fn(f32) -> f32) {
+    fn weigh<S: Simd, const M: u8>(&mut self, unit: Floats<S>, wires: &[Displacements]) {
+        let (zero, one) = (Floats::splat(unit.0, 0.0), Floats::splat(unit.0, 1.0));
         for wire in wires {
-            for i in 0..TILE {
-                let w = weight(square(wire, i, unit));
-                self.weighted[0][i] += w * wire.x[i];
-                self.weighted[1][i] += w * wire.y[i];
-                self.weighted[2][i] += w * wire.z[i];
-                self.weight[i] += w;
+            for i in 0..TILE / S::F32_LANES {
+                let d = wire.read(unit.0, i);
+                let square = square(d, unit);
+                let w = match M {
+                    0 => zero.less(square).select(one, zero),
+                    1 => square.sqrt(),
+                    _ => square,
+                };
+                add3(&mut self.weighted, i, d.times(w));
+                add(&mut self.weight, i, w);
             }
         }
     }
 
     #[inline(always)]
-    fn weigh_powers(&mut self, wires: &[Displacements], unit: f32) {
+    fn weigh_powers<S: Simd>(&mut self, unit: Floats<S>, wires: &[Displacements]) {
+        let simd = unit.0;
         (self.largest, self.peak) = ([NOTHING; TILE], [NOTHING; TILE]);
         for wire in wires {
-            for i in 0..TILE {
-                self.largest[i] = larger(self.largest[i], half_log(square(wire, i, unit)));
+            for i in 0..TILE / S::F32_LANES {
+                keep_larger(&mut self.largest, i, log_length(wire.read(simd, i), unit));
             }
         }
         for wire in wires {
-            for i in 0..TILE {
-                let power = power(wire, i, unit, self.largest[i]);
-                self.peak[i] = larger(self.peak[i], power);
+            for i in 0..TILE / S::F32_LANES {
+                let log = log_length(wire.read(simd, i), unit);
+                keep_larger(&mut self.peak, i, power(wire.exponent, log, read(simd, &self.largest, i)));
             }
         }
+        let nothing = Floats::splat(simd, NOTHING);
         for wire in wires {
-            for i in 0..TILE {
-                let power = power(wire, i, unit, self.largest[i]);
-                let w = if power > NOTHING { exp2(power - self.peak[i]) } else { 0.0 };
-                self.weighted[0][i] += w * wire.x[i];
-                self.weighted[1][i] += w * wire.y[i];
-                self.weighted[2][i] += w * wire.z[i];
-                self.weight[i] += w;
+            for i in 0..TILE / S::F32_LANES {
+                let d = wire.read(simd, i);
+                let log = log_length(d, unit);
+                let power = power(wire.exponent, log, read(simd, &self.largest, i));
+                let w = exp2_where(nothing.less(log), power - read(simd, &self.peak, i));
+                add3(&mut self.weighted, i, d.times(w));
+                add(&mut self.weight, i, w);
             }
         }
     }
 
     #[inline(always)]
-    fn add_plain(&mut self, wires: &[Displacements]) {
-        self.plain = [ZERO; 3];
+    fn add_plain<S: Simd>(&mut self, simd: S, wires: &[Displacements]) {
+        self.plain.iter_mut().for_each(|row| row.fill(0.0));
         for wire in wires {
-            for i in 0..TILE {
-                self.plain[0][i] += wire.x[i];
-                self.plain[1][i] += wire.y[i];
-                self.plain[2][i] += wire.z[i];
+            for i in 0..TILE / S::F32_LANES {
+                add3(&mut self.plain, i, wire.read(simd, i));
+            }
+        }
+    }
+
+    /// `F^k` is taken relative to the largest, so that a large `k` leaves the sum something to divide by.
+    #[inline(always)]
+    fn add_local<S: Simd>(&mut self, locality: Floats<S>, wires: &[Displacements]) {
+        let simd = locality.0;
+        self.local.iter_mut().chain([&mut self.local_weight]).for_each(|row| row.fill(0.0));
+        self.largest.fill(NOTHING);
+        let (zero, nothing) = (Floats::splat(simd, 0.0), Floats::splat(simd, NOTHING));
+        for wire in wires {
+            for i in 0..TILE / S::F32_LANES {
+                let f = read(simd, &wire.influence, i);
+                keep_larger(&mut self.largest, i, zero.less(f).select(locality * log2(f), nothing));
+            }
+        }
+        for wire in wires {
+            for i in 0..TILE / S::F32_LANES {
+                let f = read(simd, &wire.influence, i);
+                let w = exp2_where(zero.less(f), locality * log2(f) - read(simd, &self.largest, i));
+                add3(&mut self.local, i, wire.read(simd, i).times(w));
+                add(&mut self.local_weight, i, w);
             }
         }
     }
 
     #[inline(always)]
-    fn add_local(&mut self, wires: &[Displacements], locality: f32) {
-        (self.local, self.local_weight) = ([ZERO; 3], ZERO);
-        // F^k is taken relative to the largest F, so that a large k leaves the sum something to divide by.
-        self.largest = [NOTHING; TILE];
-        for wire in wires {
-            for i in 0..TILE {
-                self.largest[i] = larger(self.largest[i], locality * log2_or_nothing(wire.influence[i], locality));
-            }
-        }
-        for wire in wires {
-            for i in 0..TILE {
-                let f = wire.influence[i];
-                let power = locality * log2_or_nothing(f, locality) - self.largest[i];
-                let w = if f > 0.0 { exp2(power) } else { 0.0 };
-                self.local[0][i] += w * wire.x[i];
-                self.local[1][i] += w * wire.y[i];
-                self.local[2][i] += w * wire.z[i];
-                self.local_weight[i] += w;
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn finish(&self, axis: usize, blend: &Blend, out: &mut Row) {
-        for i in 0..TILE {
-            let mut sum = quotient(self.weighted[axis][i], self.weight[i]);
+    fn finish<S: Simd>(&self, simd: S, axis: usize, blend: &Blend, out: &mut Row) {
+        for (i, out) in Floats::<S>::vectors_mut(out).iter_mut().enumerate() {
+            let mut sum = quotient(read(simd, &self.weighted[axis], i), read(simd, &self.weight, i));
             if blend.crossing != 0.0 {
-                sum += (self.plain[axis][i] - sum) * blend.crossing;
+                let crossing = Floats::splat(simd, blend.crossing);
+                sum = sum + (read(simd, &self.plain[axis], i) - sum) * crossing;
             }
             if blend.localize != 0.0 {
-                sum += (quotient(self.local[axis][i], self.local_weight[i]) - sum) * blend.localize;
+                let local = quotient(read(simd, &self.local[axis], i), read(simd, &self.local_weight, i));
+                sum = sum + (local - sum) * Floats::splat(simd, blend.localize);
             }
-            out[i] = sum;
+            *out = sum.1;
         }
     }
 }
 
+/// `‖ΔP‖²` in units of the scene.
 #[inline(always)]
-fn square(wire: &Displacements, i: usize, unit: f32) -> f32 {
-    let (x, y, z) = (wire.x[i] * unit, wire.y[i] * unit, wire.z[i] * unit);
-    x * x + y * y + z * z
+fn square<S: Simd>(d: Vectors<S>, unit: Floats<S>) -> Floats<S> {
+    let d = d.times(unit);
+    d.dot(d)
 }
 
-/// `log₂ ‖ΔP‖` of the square.
+/// `log₂ ‖ΔP‖`.
 #[inline(always)]
-fn half_log(square: f32) -> f32 {
-    if square > 0.0 { 0.5 * log2(square) } else { NOTHING }
+fn log_length<S: Simd>(d: Vectors<S>, unit: Floats<S>) -> Floats<S> {
+    let square = square(d, unit);
+    let log = Floats::splat(unit.0, 0.5) * log2(square);
+    Floats::splat(unit.0, 0.0).less(square).select(log, Floats::splat(unit.0, NOTHING))
 }
 
-/// `m·log₂ w`.
+/// `m·log₂ w` of a wire whose displacement has length `2^log`, beside the largest.
 #[inline(always)]
-fn power(wire: &Displacements, i: usize, unit: f32, largest: f32) -> f32 {
-    let log = half_log(square(wire, i, unit));
-    if log > NOTHING { wire.exponent * (log - largest) } else { NOTHING }
-}
-
-/// `log₂ f`; for no influence the value that loses every comparison after multiplication by `locality`.
-#[inline(always)]
-fn log2_or_nothing(f: f32, locality: f32) -> f32 {
-    if f > 0.0 { log2(f) } else if locality < 0.0 { f32::INFINITY } else { NOTHING }
+fn power<S: Simd>(exponent: f32, log: Floats<S>, largest: Floats<S>) -> Floats<S> {
+    let nothing = Floats::splat(log.0, NOTHING);
+    nothing.less(log).select(Floats::splat(log.0, exponent) * (log - largest), nothing)
 }
 
 #[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
+fn keep_larger<S: Simd>(row: &mut Row, i: usize, x: Floats<S>) {
+    let row = Floats::<S>::vectors_mut(row);
+    let old = Floats(x.0, row[i]);
+    row[i] = old.less(x).select(x, old).1;
 }
 
+/// `a / b`, 0 where nothing was weighed.
 #[inline(always)]
-fn quotient(a: f32, b: f32) -> f32 {
-    if b > 0.0 { a / b } else { 0.0 }
+fn quotient<S: Simd>(a: Floats<S>, b: Floats<S>) -> Floats<S> {
+    let (zero, one) = (Floats::splat(a.0, 0.0), Floats::splat(a.0, 1.0));
+    let weighed = zero.less(b);
+    weighed.select(a / weighed.select(b, one), zero)
 }
 
 /// Writes the tile's points, displaced; a point whose displacement is zero keeps its bits.

@@ -13,8 +13,10 @@
 //! kept, and a tolerance on the distance of a sample would move the foot by the tolerance's square root.
 
 use glam::DVec3;
+use pulp::Simd;
 
 use crate::quintic::{self, Bernstein};
+use crate::simd::Doubles;
 use crate::spans::{Cubic, Spans, to_array, to_dvec3};
 use crate::{Curve, curve};
 
@@ -61,7 +63,7 @@ impl Curve {
         block.push(to_dvec3(point), &pieces);
         let all: Vec<u32> = (0..pieces.list.len() as u32).collect();
         let mut feet = Feet::new();
-        pieces.search(&block, &all, f64::INFINITY, &mut feet);
+        pieces.search(pulp::Scalar, &block, &all, f64::INFINITY, &mut feet);
         let (span, t) = (feet.span[0] as usize, feet.t[0]);
         let u = (span as f64 + t) / spans.cubics.len() as f64;
         let point = to_array(spans.cubics[span].at(t));
@@ -152,46 +154,46 @@ impl Pieces {
     /// The closest feet of a block's points on the pieces `candidates` (rising); points farther than `reach` may
     /// get a worse foot or none.
     #[inline(always)]
-    pub(crate) fn search(&self, block: &Block, candidates: &[u32], reach: f64, feet: &mut Feet) {
-        feet.reset();
-        let mut marks = [0_u8; BLOCK];
+    pub(crate) fn search<S: Simd>(
+        &self,
+        simd: S,
+        block: &Block,
+        candidates: &[u32],
+        reach: f64,
+        feet: &mut Feet,
+    ) {
+        feet.distance = [f64::INFINITY; BLOCK];
+        let mut marks = [0.0; BLOCK];
         let mut lanes = [0_u8; BLOCK];
         for &i in candidates {
             let piece = &self.list[i as usize];
-            piece.mark(block, &feet.distance, reach, &mut marks);
+            piece.mark(simd, block, &feet.distance, reach, &mut marks);
             let mut count = 0;
             for (lane, &mark) in marks.iter().enumerate().take(block.count) {
-                if mark == 0 {
-                    continue;
-                }
-                if mark & START != 0 {
-                    feet.offer(lane, piece, block, 0.0);
-                }
-                if mark & SEVERAL != 0 {
-                    let c = piece.coefficients(block.at(lane));
-                    quintic::rising_roots(&c, &mut |s| feet.offer(lane, piece, block, s));
-                }
-                if mark & END != 0 {
-                    feet.offer(lane, piece, block, 1.0);
-                }
-                if mark & SINGLE != 0 {
-                    lanes[count] = lane as u8;
+                if mark == SINGLE {
+                    lanes[count & (BLOCK - 1)] = lane as u8;
                     count += 1;
+                } else if mark != 0.0 {
+                    piece.offer_marked(lane, mark, block, feet);
                 }
             }
-            piece.settle(block, &lanes[..count], feet);
+            piece.settle(simd, block, &lanes[..count], feet);
         }
     }
 }
 
+/// One number a point of a block.
+type Row = [f64; BLOCK];
+
+// What a point has on a piece; a mark is a sum of these, kept as a number among numbers.
 /// The piece's start is a foot.
-const START: u8 = 1;
+const START: f64 = 1.0;
 /// The curve's end is a foot.
-const END: u8 = 2;
+const END: f64 = 2.0;
 /// Exactly one foot lies inside.
-const SINGLE: u8 = 4;
+const SINGLE: f64 = 4.0;
 /// Several sign changes: feet are to be isolated.
-const SEVERAL: u8 = 8;
+const SEVERAL: f64 = 8.0;
 
 impl Piece {
     fn new(span: usize, t0: f64, width: f64, mut cubic: Cubic, origin: DVec3) -> Self {
@@ -244,65 +246,131 @@ impl Piece {
 
     /// What the block's points have on this piece; nothing where it lies beyond the best foot so far or `reach`.
     #[inline(always)]
-    fn mark(&self, block: &Block, best: &[f64; BLOCK], reach: f64, marks: &mut [u8; BLOCK]) {
+    fn mark<S: Simd>(&self, simd: S, block: &Block, best: &Row, reach: f64, marks: &mut Row) {
+        let (zero, one) = (Doubles::splat(simd, 0.0), Doubles::splat(simd, 1.0));
         let (before_a, before_b) = self.before.unwrap_or((-1.0, DVec3::ZERO));
-        let last = u8::from(self.last) * END;
-        for lane in 0..BLOCK {
-            let p = block.at(lane);
-            let bound = if best[lane] < reach { best[lane] } else { reach };
-            let near = self.chord_distance(p) - self.stray <= bound;
-            let c = self.coefficients(p);
-            let changes = quintic::sign_changes(&c);
-            let rises = c[0] < 0.0 && c[5] >= 0.0;
-            let start = u8::from(before_a - p.dot(before_b) < 0.0 && c[0] >= 0.0) * START;
-            let end = u8::from(c[5] < 0.0) * last;
-            let single = u8::from(changes == 1 && rises) * SINGLE;
-            let several = u8::from(changes > 1) * SEVERAL;
-            marks[lane] = (start | end | single | several) * u8::from(near);
+        let reach = Doubles::splat(simd, reach);
+        let ends = if self.last { END } else { 0.0 };
+        for (i, mark) in Doubles::<S>::vectors_mut(marks).iter_mut().enumerate() {
+            let p = block.vectors(simd, i);
+            let best = Doubles(simd, Doubles::<S>::vectors(best)[i]);
+            let bound = best.less(reach).select(best, reach);
+            let near = (self.chord_distances(p) - Doubles::splat(simd, self.stray)).at_most(bound);
+
+            let first = Doubles::splat(simd, self.a[0]) - Doubles::dot(p, self.b[0]);
+            let starts_below = first.less(zero);
+            let mut below = starts_below;
+            let mut changes = zero;
+            for k in 1..6 {
+                let c = Doubles::splat(simd, self.a[k]) - Doubles::dot(p, self.b[k]);
+                let next = c.less(zero);
+                changes = changes + ((below & !next) | (next & !below)).number(1.0);
+                below = next;
+            }
+            let single = starts_below & !below & changes.at_most(one);
+            let left = Doubles::splat(simd, before_a) - Doubles::dot(p, before_b);
+            let begins = left.less(zero) & !starts_below;
+            let found = begins.number(START)
+                + below.number(ends)
+                + single.number(SINGLE)
+                + one.less(changes).number(SEVERAL);
+            *mark = near.select(found, zero).1;
+        }
+    }
+
+    /// Distances of points from the chord.
+    #[inline(always)]
+    fn chord_distances<S: Simd>(&self, p: [Doubles<S>; 3]) -> Doubles<S> {
+        let simd = p[0].0;
+        let (start, chord, inverse) = self.chord;
+        let (zero, one) = (Doubles::splat(simd, 0.0), Doubles::splat(simd, 1.0));
+        let wx = p[0] - Doubles::splat(simd, start.x);
+        let wy = p[1] - Doubles::splat(simd, start.y);
+        let wz = p[2] - Doubles::splat(simd, start.z);
+        let h = Doubles::dot([wx, wy, wz], chord) * Doubles::splat(simd, inverse);
+        let h = h.less(zero).select(zero, h);
+        let h = one.less(h).select(one, h);
+        let x = wx - h * Doubles::splat(simd, chord.x);
+        let y = wy - h * Doubles::splat(simd, chord.y);
+        let z = wz - h * Doubles::splat(simd, chord.z);
+        (x * x + y * y + z * z).sqrt()
+    }
+
+    /// Feet of a point whose mark is more than a single one.
+    fn offer_marked(&self, lane: usize, mark: f64, block: &Block, feet: &mut Feet) {
+        let mark = mark as u8;
+        let has = |what: f64| mark & what as u8 != 0;
+        if has(START) {
+            feet.offer(lane, self, block, 0.0);
+        }
+        if has(SEVERAL) || has(SINGLE) {
+            quintic::rising_roots(&self.coefficients(block.at(lane)), &mut |s| feet.offer(lane, self, block, s));
+        }
+        if has(END) {
+            feet.offer(lane, self, block, 1.0);
         }
     }
 
     /// Newton's method on all `lanes` at once, each of which has exactly one foot on this piece.
     #[inline(always)]
-    fn settle(&self, block: &Block, lanes: &[u8], feet: &mut Feet) {
+    fn settle<S: Simd>(&self, simd: S, block: &Block, lanes: &[u8], feet: &mut Feet) {
+        const ZERO: Row = [0.0; BLOCK];
         if lanes.is_empty() {
             return;
         }
-        let c = &self.cubic.0;
-        let mut g = [[0.0; BLOCK]; 3];
-        let mut s = [0.0; BLOCK];
-        let mut step = [0.0; BLOCK];
-        for (i, &lane) in lanes.iter().enumerate() {
-            let p = block.at(lane as usize);
-            g[0][i] = self.powers[0] - p.dot(c[1]);
-            g[1][i] = self.powers[1] - p.dot(2.0 * c[2]);
-            g[2][i] = self.powers[2] - p.dot(3.0 * c[3]);
-            let (c0, c5) = (g[0][i], self.a[5] - p.dot(self.b[5]));
-            s[i] = c0 / (c0 - c5);
+        let (mut p, mut s, mut step) = ([ZERO; 3], ZERO, ZERO);
+        for (i, &lane) in lanes.iter().enumerate().take(BLOCK) {
+            let lane = lane as usize & (BLOCK - 1);
+            (p[0][i], p[1][i], p[2][i]) = (block.x[lane], block.y[lane], block.z[lane]);
         }
-        let [.., p3, p4, p5] = self.powers;
-        let count = lanes.len().next_multiple_of(8).min(BLOCK);
-        for _ in 0..STEPS {
-            for i in 0..count {
-                let x = s[i];
-                let value = g[0][i] + x * (g[1][i] + x * (g[2][i] + x * (p3 + x * (p4 + x * p5))));
-                let slope = g[1][i] + x * (2.0 * g[2][i] + x * (3.0 * p3 + x * (4.0 * p4 + x * 5.0 * p5)));
-                let change = value / slope;
-                let moved = x - change;
-                let inside = if moved < 0.0 { 0.0 } else { moved };
-                s[i] = if inside > 1.0 { 1.0 } else { inside };
-                step[i] = if slope > 0.0 { change.abs() } else { 1.0 };
-            }
-            if step[..lanes.len()].iter().all(|&d| d < SETTLED) {
-                break;
-            }
+        for i in 0..lanes.len().div_ceil(S::F64_LANES) {
+            let x = Doubles(simd, Doubles::<S>::vectors(&p[0])[i]);
+            let y = Doubles(simd, Doubles::<S>::vectors(&p[1])[i]);
+            let z = Doubles(simd, Doubles::<S>::vectors(&p[2])[i]);
+            let (place, change) = self.newton([x, y, z]);
+            Doubles::<S>::vectors_mut(&mut s)[i] = place.1;
+            Doubles::<S>::vectors_mut(&mut step)[i] = change.1;
         }
-        for (i, &lane) in lanes.iter().enumerate() {
-            let lane = lane as usize;
+        for (i, &lane) in lanes.iter().enumerate().take(BLOCK) {
+            let lane = lane as usize & (BLOCK - 1);
             let settled = step[i] < SETTLED;
             let s = if settled { s[i] } else { quintic::single_root(&self.coefficients(block.at(lane))) };
             feet.offer(lane, self, block, s);
         }
+    }
+
+    /// Steps towards the only root of `g` for each of some points: the place, and the last step.
+    #[inline(always)]
+    fn newton<S: Simd>(&self, p: [Doubles<S>; 3]) -> (Doubles<S>, Doubles<S>) {
+        let simd = p[0].0;
+        let c = &self.cubic.0;
+        let g0 = Doubles::splat(simd, self.powers[0]) - Doubles::dot(p, c[1]);
+        let g1 = Doubles::splat(simd, self.powers[1]) - Doubles::dot(p, 2.0 * c[2]);
+        let g2 = Doubles::splat(simd, self.powers[2]) - Doubles::dot(p, 3.0 * c[3]);
+        let g3 = Doubles::splat(simd, self.powers[3]);
+        let g4 = Doubles::splat(simd, self.powers[4]);
+        let g5 = Doubles::splat(simd, self.powers[5]);
+        let (h2, h3) = (g2 + g2, g3 * Doubles::splat(simd, 3.0));
+        let (h4, h5) = (g4 * Doubles::splat(simd, 4.0), g5 * Doubles::splat(simd, 5.0));
+        let end = Doubles::splat(simd, self.a[5]) - Doubles::dot(p, self.b[5]);
+        let (zero, one) = (Doubles::splat(simd, 0.0), Doubles::splat(simd, 1.0));
+        let settled = Doubles::splat(simd, SETTLED);
+        let mut x = g0 / (g0 - end);
+        let mut change = one;
+        for _ in 0..STEPS {
+            let value = g0 + x * (g1 + x * (g2 + x * (g3 + x * (g4 + x * g5))));
+            let slope = g1 + x * (h2 + x * (h3 + x * (h4 + x * h5)));
+            change = value / slope;
+            let moved = x - change;
+            let moved = moved.less(zero).select(zero, moved);
+            x = one.less(moved).select(one, moved);
+            let size = change.less(zero).select(-change, change);
+            change = zero.less(slope).select(size, one);
+            if simd.first_true_m64s(settled.at_most(change).1) >= S::F64_LANES {
+                break;
+            }
+        }
+        (x, change)
     }
 }
 
@@ -350,6 +418,15 @@ impl Block {
     }
 
     #[inline(always)]
+    fn vectors<S: Simd>(&self, simd: S, i: usize) -> [Doubles<S>; 3] {
+        [
+            Doubles(simd, Doubles::<S>::vectors(&self.x)[i]),
+            Doubles(simd, Doubles::<S>::vectors(&self.y)[i]),
+            Doubles(simd, Doubles::<S>::vectors(&self.z)[i]),
+        ]
+    }
+
+    #[inline(always)]
     fn at(&self, lane: usize) -> DVec3 {
         let lane = lane & (BLOCK - 1);
         DVec3::new(self.x[lane], self.y[lane], self.z[lane])
@@ -366,10 +443,6 @@ pub(crate) struct Feet {
 impl Feet {
     pub(crate) fn new() -> Self {
         Self { distance: [f64::INFINITY; BLOCK], t: [0.0; BLOCK], span: [0; BLOCK] }
-    }
-
-    fn reset(&mut self) {
-        self.distance = [f64::INFINITY; BLOCK];
     }
 
     /// Takes the foot at `s` if it is nearer than the best by more than a tie; feet come by rising `u`.

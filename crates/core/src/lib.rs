@@ -39,6 +39,7 @@ mod keyed;
 mod quintic;
 mod rotation;
 mod runs;
+mod simd;
 mod spans;
 mod tiles;
 mod trig;

@@ -43,8 +43,7 @@ where
 }
 
 /// How often the signs of the coefficients change.
-#[inline(always)]
-pub(crate) fn sign_changes(c: &Bernstein) -> u32 {
+fn sign_changes(c: &Bernstein) -> u32 {
     let mut changes = 0;
     for i in 0..5 {
         changes += u32::from((c[i] >= 0.0) != (c[i + 1] >= 0.0));

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::attributes::{Attribute, value};
 use crate::cells::Cells;
 use crate::closest::{BLOCK, Block, Feet, Pieces};
+use crate::kernel::RunPoints;
 use crate::tiles::{TILE, Tiles, ball};
 use crate::{Wire, spans::Spans};
 
@@ -52,6 +53,17 @@ impl Runs {
         match (self.tiles.get(tile), self.tiles.get(tile + 1)) {
             (Some(&start), Some(&end)) => &self.runs[start as usize..end as usize],
             _ => &[],
+        }
+    }
+
+    /// The points of a run.
+    #[inline(always)]
+    pub(crate) fn points(&self, run: &Run) -> RunPoints<'_> {
+        let range = run.start as usize..run.end as usize;
+        RunPoints {
+            index: &self.index[range.clone()],
+            t: &self.t[range.clone()],
+            influence: &self.influence[range],
         }
     }
 
@@ -136,7 +148,7 @@ pub(crate) fn find_feet(pieces: &Pieces, tiles: &Tiles, reach: f64) -> Vec<Store
     let mut feet = vec![NO_FOOT; tiles.count];
     let all: Vec<u32> = (0..pieces.list.len() as u32).collect();
     feet.par_chunks_mut(TILE).enumerate().for_each(|(chunk, out)| {
-        pulp::Arch::new().dispatch(|| search_chunk(pieces, tiles, &all, reach, chunk * TILE, out));
+        pulp::Arch::new().dispatch(Search { pieces, tiles, all: &all, reach, first: chunk * TILE, out });
     });
     let Some(order) = &tiles.order else { return feet };
     let mut by_index = vec![NO_FOOT; tiles.count];
@@ -147,43 +159,47 @@ pub(crate) fn find_feet(pieces: &Pieces, tiles: &Tiles, reach: f64) -> Vec<Store
 }
 
 /// Searches the points `first ..` in the order of search, as many as `out` holds.
-#[inline(always)]
-fn search_chunk(
-    pieces: &Pieces,
-    tiles: &Tiles,
-    all: &[u32],
+struct Search<'a> {
+    pieces: &'a Pieces,
+    tiles: &'a Tiles,
+    all: &'a [u32],
     reach: f64,
     first: usize,
-    out: &mut [StoredFoot],
-) {
-    let point = |i: usize| tiles.point(tiles.searched(i));
-    let Some((center, radius)) = ball((first..first + out.len()).map(point)) else { return };
-    let (own_center, own_radius) = pieces.ball;
-    if center.distance(own_center) - radius - own_radius > reach {
-        return;
-    }
-    let (mut of_tile, mut candidates) = (Vec::new(), Vec::new());
-    pieces.cull(center, radius, reach, all, &mut of_tile);
-    let (mut block, mut feet) = (Block::new(), Feet::new());
-    for (k, out) in out.chunks_mut(BLOCK).enumerate() {
-        let start = first + k * BLOCK;
-        let Some((center, radius)) = ball((start..start + out.len()).map(point)) else { continue };
-        pieces.cull(center, radius, reach, &of_tile, &mut candidates);
-        if candidates.is_empty() {
-            continue;
+    out: &'a mut [StoredFoot],
+}
+
+impl pulp::WithSimd for Search<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        let Self { pieces, tiles, all, reach, first, out } = self;
+        let point = |i: usize| tiles.point(tiles.searched(i));
+        let Some((center, radius)) = ball((first..first + out.len()).map(point)) else { return };
+        let (own_center, own_radius) = pieces.ball;
+        if center.distance(own_center) - radius - own_radius > reach {
+            return;
         }
-        block.clear();
-        for i in start..start + out.len() {
-            block.push(point(i), pieces);
-        }
-        pieces.search(&block, &candidates, reach, &mut feet);
-        for (i, out) in out.iter_mut().enumerate() {
-            if feet.distance[i] < reach {
-                *out = StoredFoot {
-                    span: feet.span[i],
-                    t: feet.t[i] as f32,
-                    distance: feet.distance[i] as f32,
-                };
+        let (mut of_tile, mut candidates) = (Vec::new(), Vec::new());
+        pieces.cull(center, radius, reach, all, &mut of_tile);
+        let (mut block, mut feet) = (Block::new(), Feet::new());
+        for (k, out) in out.chunks_mut(BLOCK).enumerate() {
+            let start = first + k * BLOCK;
+            let Some((center, radius)) = ball((start..start + out.len()).map(point)) else { continue };
+            pieces.cull(center, radius, reach, &of_tile, &mut candidates);
+            if candidates.is_empty() {
+                continue;
+            }
+            block.clear();
+            for i in start..start + out.len() {
+                block.push(point(i), pieces);
+            }
+            pieces.search(simd, &block, &candidates, reach, &mut feet);
+            for (i, out) in out.iter_mut().enumerate() {
+                if feet.distance[i] < reach {
+                    let (t, distance) = (feet.t[i] as f32, feet.distance[i] as f32);
+                    *out = StoredFoot { span: feet.span[i], t, distance };
+                }
             }
         }
     }

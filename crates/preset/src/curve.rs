@@ -26,19 +26,19 @@ pub(crate) fn curve(reader: &mut Reader<'_>, node: &Node) -> Option<Curve> {
         return build(reader, owner, DEFAULT_DEGREE, false, points);
     }
     let mut fields = reader.unnamed_fields(node, owner)?;
-    let degree = if owner == "BSpline" { degree(reader, &mut fields) } else { Some(DEFAULT_DEGREE) };
+    let degree = if owner == "BSpline" { degree(reader, &mut fields) } else { DEFAULT_DEGREE };
     let closed = reader.field(&mut fields, "closed", false, Reader::flag);
-    let curve = reader
-        .required(&mut fields, "points", |reader, points| build(reader, owner, degree.unwrap_or(DEFAULT_DEGREE), closed, points));
+    let curve =
+        reader.required(&mut fields, "points", |reader, points| build(reader, owner, degree, closed, points));
     reader.finish(fields);
     curve
 }
 
-fn degree(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Option<u8> {
-    Some(reader.field(fields, "degree", DEFAULT_DEGREE, |reader, node| match reader.count(node, 1)? {
+fn degree(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> u8 {
+    reader.field(fields, "degree", DEFAULT_DEGREE, |reader, node| match reader.count(node, 1)? {
         degree @ 1..=3 => u8::try_from(degree).ok(),
         other => reader.bad(node, format!("the degree of a B-spline is 1, 2 or 3, found {other}")),
-    }))
+    })
 }
 
 fn build(reader: &mut Reader<'_>, owner: &str, degree: u8, closed: bool, node: &Node) -> Option<Curve> {
@@ -90,7 +90,9 @@ fn profile(reader: &mut Reader<'_>, node: &Node) -> Option<Profile> {
         Err(error) => error,
     };
     let index = match error {
-        ProfileError::Outside { index } | ProfileError::Order { index } | ProfileError::Ends { index } => index,
+        ProfileError::Outside { index } | ProfileError::Order { index } | ProfileError::Ends { index } => {
+            index
+        }
         _ => items.len(),
     };
     reader.bad(items.get(index).unwrap_or(node), error.to_string())

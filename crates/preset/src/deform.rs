@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use wirework_core::{
-    Bend, Blend, Correspondence, Curve, Density, Interpolation, Keyed, Locator, Wire,
-};
+use wirework_core::{Bend, Blend, Correspondence, Curve, Density, Interpolation, Keyed, Locator, Wire};
 
 use crate::curve::{curve, density};
 use crate::later;
@@ -64,9 +62,8 @@ impl Values {
     }
 
     fn read(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Self {
-        let mut number = |key, within| {
-            reader.optional(fields, key, |reader, node| reader.keyed_number(node, within))
-        };
+        let mut number =
+            |key, within| reader.optional(fields, key, |reader, node| reader.keyed_number(node, within));
         Self {
             radius: number("radius", Within::Positive),
             scale: number("scale", Within::Finite),
@@ -159,7 +156,8 @@ pub(crate) fn deform(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &m
         let wires = reader.each(items, |reader, item| wire(reader, item, &mut groups))?;
         // A still wire is an anchor where the blend is local.
         if blend.localize == 0.0 {
-            for (i, (_, item)) in wires.iter().zip(items).enumerate().filter(|(_, (wire, _))| wire.is_still()) {
+            for (i, (_, item)) in wires.iter().zip(items).enumerate().filter(|(_, (wire, _))| wire.is_still())
+            {
                 let why = "its pose is its curve, its scale 1 and its twist 0, or its amplitude is 0";
                 let message = format!("this wire moves nothing: {why}");
                 reader.within(format!("[{i}]"), |reader| reader.warn(&head(item), message));
@@ -168,7 +166,9 @@ pub(crate) fn deform(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &m
         Some(wires)
     })?;
     groups.lint(reader);
-    wires.iter().for_each(|wire| wire.time(clock));
+    for wire in &wires {
+        wire.time(clock);
+    }
     Some(Deform { wires, blend })
 }
 
@@ -222,17 +222,19 @@ fn wire(reader: &mut Reader<'_>, node: &Node, groups: &mut Groups) -> Option<Key
         let names = [("Linear", Interpolation::Linear), ("Smooth", Interpolation::Smooth)];
         reader.choice(node, "interpolation", &names)
     });
-    let correspondence = reader.field(&mut fields, "correspondence", Correspondence::Parameter, |reader, node| {
-        let names = [("Parameter", Correspondence::Parameter), ("ArcLength", Correspondence::ArcLength)];
-        reader.choice(node, "correspondence", &names)
-    });
+    let correspondence =
+        reader.field(&mut fields, "correspondence", Correspondence::Parameter, |reader, node| {
+            let names = [("Parameter", Correspondence::Parameter), ("ArcLength", Correspondence::ArcLength)];
+            reader.choice(node, "correspondence", &names)
+        });
     let bend = reader.field(&mut fields, "bend", Bend::Tangent, |reader, node| {
         reader.choice(node, "bend", &[("Tangent", Bend::Tangent), ("Transport", Bend::Transport)])
     });
     let group = reader.optional(&mut fields, "group", |reader, node| {
         reader.text(node, "the name of a group").map(|name| groups.number(name, &node.span))
     });
-    let exponent = reader.optional(&mut fields, "exponent", |reader, node| reader.number(node, Within::Finite));
+    let exponent =
+        reader.optional(&mut fields, "exponent", |reader, node| reader.number(node, Within::Finite));
     reader.finish(fields);
     let (at, locators): (Vec<f32>, Vec<Values>) = located.into_iter().unzip();
     let locators_at_rest = at.into_iter().map(|u| Locator { u, ..Locator::default() }).collect();
@@ -276,9 +278,10 @@ fn locators(reader: &mut Reader<'_>, node: &Node) -> Option<Vec<(f32, Values)>> 
         let u = reader.required(&mut fields, "u", |reader, node| {
             let u = reader.number(node, Within::Unit)?;
             match before.last() {
-                Some((last, _)) if u < *last => {
-                    reader.bad(node, format!("locators stand by rising `u`; the one before is at {last}, this one at {u}"))
-                }
+                Some((last, _)) if u < *last => reader.bad(
+                    node,
+                    format!("locators stand by rising `u`; the one before is at {last}, this one at {u}"),
+                ),
                 _ => Some(u),
             }
         });
@@ -286,13 +289,16 @@ fn locators(reader: &mut Reader<'_>, node: &Node) -> Option<Vec<(f32, Values)>> 
         reader.finish(fields);
         let u = u?;
         let twice = before.iter().rev().take_while(|(other, _)| *other == u).find_map(|(_, other)| {
-            let both = other.all().into_iter().zip(values.all()).position(|(a, b)| a.is_some() && b.is_some())?;
+            let both =
+                other.all().into_iter().zip(values.all()).position(|(a, b)| a.is_some() && b.is_some())?;
             ATTRIBUTES.get(both)
         });
         before.push((u, values.clone()));
         match twice {
             None => Some((u, values)),
-            Some(attribute) => reader.bad(item, format!("another locator at u = {u} carries `{attribute}` already")),
+            Some(attribute) => {
+                reader.bad(item, format!("another locator at u = {u} carries `{attribute}` already"))
+            }
         }
     })
 }
@@ -302,7 +308,8 @@ fn lint_overridden(reader: &mut Reader<'_>, fields: &mut Fields<'_>, locators: &
     for (i, key) in ATTRIBUTES.into_iter().enumerate() {
         let carried = locators.iter().any(|(_, values)| values.all().get(i).is_some_and(Option::is_some));
         if let Some(node) = fields.again(key).filter(|_| carried) {
-            let message = format!("the wire's `{key}` has no effect: locators override it along the whole wire");
+            let message =
+                format!("the wire's `{key}` has no effect: locators override it along the whole wire");
             reader.within(key, |reader| reader.warn(&node.span, message));
         }
     }
@@ -313,11 +320,15 @@ pub(crate) fn blend(reader: &mut Reader<'_>, node: &Node) -> Option<Blend> {
     let mut fields = reader.fields(node, "Blend")?;
     let rest = Blend::default();
     let blend = Blend {
-        exponent: reader.field(&mut fields, "exponent", rest.exponent, |r, node| r.number(node, Within::Finite)),
-        crossing: reader.field(&mut fields, "crossing", rest.crossing, |r, node| r.number(node, Within::Unit)),
-        localize: reader.field(&mut fields, "localize", rest.localize, |r, node| r.number(node, Within::Unit)),
+        exponent: reader
+            .field(&mut fields, "exponent", rest.exponent, |r, node| r.number(node, Within::Finite)),
+        crossing: reader
+            .field(&mut fields, "crossing", rest.crossing, |r, node| r.number(node, Within::Unit)),
+        localize: reader
+            .field(&mut fields, "localize", rest.localize, |r, node| r.number(node, Within::Unit)),
         // A negative k would let F → 0 outweigh everything.
-        locality: reader.field(&mut fields, "locality", rest.locality, |r, node| r.number(node, Within::NotNegative)),
+        locality: reader
+            .field(&mut fields, "locality", rest.locality, |r, node| r.number(node, Within::NotNegative)),
     };
     reader.finish(fields);
     Some(blend)

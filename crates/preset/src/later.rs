@@ -103,12 +103,17 @@ pub(crate) fn check(reader: &mut Reader<'_>, field: &LaterField, node: &Node) {
     let known = field.values.is_empty() || node.name().is_none_or(|name| field.values.contains(&name));
     match &node.name {
         Some(name) if !known => {
-            let names: Vec<&str> = [default.as_str()].into_iter().chain(field.values.iter().copied()).collect();
+            let names: Vec<&str> =
+                [default.as_str()].into_iter().chain(field.values.iter().copied()).collect();
             reader.unknown_name(name, &format!("value of `{}`", field.key), &names);
         }
         _ => {
             let help = format!("leave `{}` out, or write `{}: {default}`", field.key, field.key);
-            let message = format!("`{}: {}` is not available in this version", field.key, found(node).trim_matches('`'));
+            let message = format!(
+                "`{}: {}` is not available in this version",
+                field.key,
+                found(node).trim_matches('`')
+            );
             reader.error(PresetErrorKind::Unavailable, &node.span, message, Some(help));
         }
     }

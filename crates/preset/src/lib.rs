@@ -25,6 +25,8 @@ mod limits;
 mod object;
 mod preset;
 mod read;
+mod scan;
+mod syntax;
 mod template;
 mod tree;
 mod wrinkle;

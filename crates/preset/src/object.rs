@@ -111,7 +111,9 @@ impl Object {
             Shape::Tube { from, to, radius, sides, rings, caps } => {
                 wirework_surface::tube(*from, *to, *radius, *sides, *rings, *caps)?
             }
-            Shape::Sphere { center, radius, segments } => wirework_surface::sphere(*center, *radius, *segments)?,
+            Shape::Sphere { center, radius, segments } => {
+                wirework_surface::sphere(*center, *radius, *segments)?
+            }
             Shape::Box { min, max, cells } => wirework_surface::cuboid(*min, *max, *cells)?,
             Shape::Points(points) => Mesh { positions: points.clone(), ..Mesh::default() },
             Shape::Patch { patch, tessellation } => patch.tessellate(*tessellation)?,
@@ -184,7 +186,8 @@ fn vertices(reader: &mut Reader<'_>, node: &Node, shape: &Shape) -> Option<()> {
         Shape::Tube { sides, rings, .. } => product(&[*sides, *rings]).saturating_add(2),
         Shape::Sphere { segments, .. } => product(&segments.map(|n| n.saturating_add(1))),
         Shape::Box { cells: [l, m, n], .. } => {
-            let side = |a: u32, b: u32| product(&[a.saturating_add(1), b.saturating_add(1)]).saturating_mul(2);
+            let side =
+                |a: u32, b: u32| product(&[a.saturating_add(1), b.saturating_add(1)]).saturating_mul(2);
             side(*l, *m).saturating_add(side(*m, *n)).saturating_add(side(*n, *l))
         }
         Shape::Points(points) => points.len() as u64,
@@ -202,7 +205,12 @@ fn vertices(reader: &mut Reader<'_>, node: &Node, shape: &Shape) -> Option<()> {
 }
 
 /// `N` counts of at least `least` each.
-fn counts<const N: usize>(reader: &mut Reader<'_>, node: &Node, least: [u64; N], expected: &str) -> Option<[u32; N]> {
+fn counts<const N: usize>(
+    reader: &mut Reader<'_>,
+    node: &Node,
+    least: [u64; N],
+    expected: &str,
+) -> Option<[u32; N]> {
     let items: &[Node; N] = reader.tuple(node, expected)?;
     let mut least = least.into_iter();
     let read = reader.each(items, |reader, item| {
@@ -231,7 +239,8 @@ pub(crate) fn direction(reader: &mut Reader<'_>, node: &Node) -> Option<[f32; 3]
 
 fn grid(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Option<Shape> {
     let size = reader.required(fields, "size", size);
-    let cells = reader.field(fields, "cells", [32; 2], |r, node| counts(r, node, [1; 2], "two counts `(a, b)`"));
+    let cells =
+        reader.field(fields, "cells", [32; 2], |r, node| counts(r, node, [1; 2], "two counts `(a, b)`"));
     let normal = reader.field(fields, "normal", [0.0, 1.0, 0.0], direction);
     Some(Shape::Grid { size: size?, cells, normal })
 }
@@ -265,13 +274,18 @@ fn cuboid(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Option<Shape> {
         let flat = min.is_some_and(|min| min.iter().zip(&max).any(|(min, max)| max <= min));
         if flat { reader.bad(node, "`max` must be greater than `min` along each axis") } else { Some(max) }
     });
-    let cells = reader.field(fields, "cells", [8; 3], |r, node| counts(r, node, [1; 3], "three counts `(l, m, n)`"));
+    let cells =
+        reader.field(fields, "cells", [8; 3], |r, node| counts(r, node, [1; 3], "three counts `(l, m, n)`"));
     Some(Shape::Box { min: min?, max: max?, cells })
 }
 
 fn point_set(reader: &mut Reader<'_>, node: &Node) -> Option<Shape> {
     let points = reader.points(node)?;
-    if points.is_empty() { reader.bad(node, "an object needs at least one point") } else { Some(Shape::Points(points)) }
+    if points.is_empty() {
+        reader.bad(node, "an object needs at least one point")
+    } else {
+        Some(Shape::Points(points))
+    }
 }
 
 fn file(reader: &mut Reader<'_>, node: &Node) -> Option<Shape> {
@@ -305,7 +319,7 @@ fn patch(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Option<Shape> {
         };
         reader.bad(at, error.to_string())
     });
-    let tessellation =
-        reader.field(fields, "tessellation", [32; 2], |r, node| counts(r, node, [1; 2], "two counts `(u, v)`"));
+    let tessellation = reader
+        .field(fields, "tessellation", [32; 2], |r, node| counts(r, node, [1; 2], "two counts `(u, v)`"));
     Some(Shape::Patch { patch: patch?, tessellation })
 }

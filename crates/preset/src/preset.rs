@@ -106,7 +106,8 @@ fn versions(reader: &mut Reader<'_>, node: &Node) -> bool {
             if version <= FORMAT_VERSION {
                 return true;
             }
-            let message = format!("version {version} is newer than this tool, which reads version {FORMAT_VERSION}");
+            let message =
+                format!("version {version} is newer than this tool, which reads version {FORMAT_VERSION}");
             let help = Some("a newer wirework reads it".to_owned());
             reader.within("version", |reader| {
                 reader.error(PresetErrorKind::Version, &entry.value.span, message, help);
@@ -197,7 +198,8 @@ fn common(reader: &mut Reader<'_>, fields: &mut Fields<'_>, scene: &mut Scene, f
     let object = reader.optional(fields, "object", object);
     match span {
         Some(span) if !first => {
-            let message = "only the first effect of a stack names the object; the others take over its result";
+            let message =
+                "only the first effect of a stack names the object; the others take over its result";
             reader.within("object", |reader| reader.error(PresetErrorKind::Value, &span, message, None));
         }
         _ => scene.object = object.or(scene.object.take()),

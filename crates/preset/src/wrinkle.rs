@@ -12,7 +12,11 @@ use crate::read::{Fields, Reader, Within};
 use crate::tree::Body;
 
 /// Reads the fields of `Wrinkle` that are its own.
-pub(crate) fn wrinkle(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &mut Clock) -> Option<Wrinkle> {
+pub(crate) fn wrinkle(
+    reader: &mut Reader<'_>,
+    fields: &mut Fields<'_>,
+    clock: &mut Clock,
+) -> Option<Wrinkle> {
     unused_by_drawn(reader, fields);
     let curves = pattern(reader, fields);
     let rest = Wrinkle::drawn(curves.clone().unwrap_or_default());
@@ -86,4 +90,3 @@ fn pattern(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Option<Vec<Curve
         reader.each(items, curve)
     })
 }
-

@@ -37,7 +37,9 @@ fn check(text: &str, kind: PresetErrorKind, message: &str, help: Option<&str>) {
 
 /// A wire with one more field.
 fn in_wire(field: &str) -> String {
-    format!("Deform(\n  wires: [\n    Wire(curve: Polyline(points: [(0, 0, 0), (1, 0, 0)]), {field}),\n  ],\n)")
+    format!(
+        "Deform(\n  wires: [\n    Wire(curve: Polyline(points: [(0, 0, 0), (1, 0, 0)]), {field}),\n  ],\n)"
+    )
 }
 
 /// A wrinkle with one more field.
@@ -192,8 +194,16 @@ fn wrong_types_say_what_was_expected_and_found() {
 #[test]
 fn unknown_names_get_the_nearest_valid_one() {
     for (field, message, help) in [
-        ("«raduis»: 1", "`Wire` has no field `raduis`; expected `curve`, `pose`, `radius`", "did you mean `radius`?"),
-        ("radius: «Kyes»([(0, 1)])", "expected a number, `Keys([(seconds, value), ..])` or `Ease([..])`, found `Kyes`", "`Keys`"),
+        (
+            "«raduis»: 1",
+            "`Wire` has no field `raduis`; expected `curve`, `pose`, `radius`",
+            "did you mean `radius`?",
+        ),
+        (
+            "radius: «Kyes»([(0, 1)])",
+            "expected a number, `Keys([(seconds, value), ..])` or `Ease([..])`, found `Kyes`",
+            "`Keys`",
+        ),
         ("pose: «Eas»([(0, [])])", "found `Eas`", "`Ease`"),
         ("density: «quartic»", "no density `quartic`", "`Quartic`"),
         ("bend: «Tranport»", "no bend `Tranport`; expected `Tangent` or `Transport`", "`Transport`"),
@@ -207,9 +217,19 @@ fn unknown_names_get_the_nearest_valid_one() {
     }
     check("«Deforn»(wires: [])", PresetErrorKind::Name, "no effect `Deforn`", Some("`Deform`"));
     check(&with_object("«Gird»(size: (1, 1))"), PresetErrorKind::Name, "no object `Gird`", Some("`Grid`"));
-    check("Deform(wires: [Wire(curve: «Bspline»(points: []))])", PresetErrorKind::Name, "no curve", Some("`BSpline`"));
+    check(
+        "Deform(wires: [Wire(curve: «Bspline»(points: []))])",
+        PresetErrorKind::Name,
+        "no curve",
+        Some("`BSpline`"),
+    );
     check("Wrinkle(pattern: «Drown»([]))", PresetErrorKind::Name, "no pattern", Some("`Drawn`"));
-    check("Deform(wires: [«Wier»(curve: Polyline(points: []))])", PresetErrorKind::Name, "no wire", Some("`Wire`"));
+    check(
+        "Deform(wires: [«Wier»(curve: Polyline(points: []))])",
+        PresetErrorKind::Name,
+        "no wire",
+        Some("`Wire`"),
+    );
     check(&in_wire("«zebra»: 1"), PresetErrorKind::Name, "has no field `zebra`", None);
     check(&in_wire("radius: 1, «radius»: 2"), PresetErrorKind::Name, "stands here twice", None);
     check("Deform(wires: [«Wire»(radius: 1)])", PresetErrorKind::Name, "`Wire` needs a field `curve`", None);
@@ -242,10 +262,20 @@ fn what_comes_later_is_refused_by_name() {
     ] {
         check(&in_wrinkle(field), PresetErrorKind::Unavailable, message, Some(help));
     }
-    for text in ["«Stitch»(patches: [])", "«Ik»(chain: 1)", "Deform(wires: [«WireLattice»(min: 1)])", "Stack([«Ik»()])"] {
+    for text in [
+        "«Stitch»(patches: [])",
+        "«Ik»(chain: 1)",
+        "Deform(wires: [«WireLattice»(min: 1)])",
+        "Stack([«Ik»()])",
+    ] {
         check(text, PresetErrorKind::Unavailable, message, None);
     }
-    check("Wrinkle(pattern: «Tangential»)", PresetErrorKind::Unavailable, message, Some("pattern: Drawn([curve, ..])"));
+    check(
+        "Wrinkle(pattern: «Tangential»)",
+        PresetErrorKind::Unavailable,
+        message,
+        Some("pattern: Drawn([curve, ..])"),
+    );
     for field in ["domains: []", "closest: Smallest", "reference: None", "only: None", "mask: None"] {
         assert_eq!(errors(&in_wire(field)), []);
     }
@@ -283,7 +313,11 @@ fn syntax_errors_stand_where_they_are() {
     for (text, message, help) in [
         ("Deform(wires: [1 «2»])", "expected `,` or a closing bracket, found `2`", None),
         ("Deform(wires: 1 «x»: 2)", "expected `,` or a closing bracket, found `x`", None),
-        ("Deform(\n  wires: [Wire(\n«»", "expected `)`, the preset ends", Some("line 2, column 15 is not closed")),
+        (
+            "Deform(\n  wires: [Wire(\n«»",
+            "expected `)`, the preset ends",
+            Some("line 2, column 15 is not closed"),
+        ),
         ("Deform(wires: [(1«]»)", "expected `)`, found `]`", Some("line 1, column 16 is not closed")),
         ("Deform() «extra»", "expected nothing after the preset, found `extra`", None),
         ("«»", "ends too early", None),
@@ -319,7 +353,12 @@ fn the_object_stands_on_the_first_effect_of_a_stack() {
 
 #[test]
 fn columns_count_characters_and_control_characters_are_escaped() {
-    check("/* größe → 🦀 */ Deform(«\u{fc}\u{fc}»: 1, wires: [Wire(curve: Polyline(points: [(0, 0, 0)]))])", PresetErrorKind::Name, "üü", None);
+    check(
+        "/* größe → 🦀 */ Deform(«\u{fc}\u{fc}»: 1, wires: [Wire(curve: Polyline(points: [(0, 0, 0)]))])",
+        PresetErrorKind::Name,
+        "üü",
+        None,
+    );
     let found = errors(&in_wire("radius: \"a\u{7}\u{1b}[31mred\u{202e}\""));
     assert!(!found[0].message.chars().any(|c| c.is_control() || c == '\u{202e}'), "{}", found[0].message);
     assert!(found[0].message.contains("\\u{1b}[31mred"), "{}", found[0].message);

@@ -12,7 +12,10 @@ fn read(bytes: &[u8]) {
         assert!(error.line >= 1 && error.column >= 1);
         assert!(error.message.len() < 2_000 && !error.message.chars().any(char::is_control), "{error:?}");
         if let Ok(text) = std::str::from_utf8(bytes) {
-            assert!(text.is_char_boundary(error.span.start) && text.is_char_boundary(error.span.end), "{error:?}");
+            assert!(
+                text.is_char_boundary(error.span.start) && text.is_char_boundary(error.span.end),
+                "{error:?}"
+            );
         }
     }
 }
@@ -23,15 +26,79 @@ fn source() -> impl Strategy<Value = Vec<u8>> {
 
 /// Pieces of presets, and what breaks parsers.
 const TOKENS: &[&str] = &[
-    "Deform", "Wrinkle", "Stack", "Wire", "Keys", "Ease", "Some", "None", "Locator", "BSpline", "Grid", "(", ")", "[",
-    "]", "{", "}", ",", ":", "::", " ", "\n", "//", "/*", "*/", "\"", "\\", "'", "'a'", "b'x'", "r\"", "r#\"", "\"#",
-    "r#a", "b\"", "br\"", "#![enable(implicit_some)]", "#!", "0", "-1", "1e400", "0x1F", "1_000", "1..2", "..", "inf",
-    "-inf", "NaN", "true", "false", "()", "wires:", "curve:", "points:", "object:", "radius:", "version:", "é", "🦀",
-    "\u{feff}", "\u{200e}", "\u{0}", "ª", "x.y", "+", "-", ".", "1f32", "2u8",
+    "Deform",
+    "Wrinkle",
+    "Stack",
+    "Wire",
+    "Keys",
+    "Ease",
+    "Some",
+    "None",
+    "Locator",
+    "BSpline",
+    "Grid",
+    "(",
+    ")",
+    "[",
+    "]",
+    "{",
+    "}",
+    ",",
+    ":",
+    "::",
+    " ",
+    "\n",
+    "//",
+    "/*",
+    "*/",
+    "\"",
+    "\\",
+    "'",
+    "'a'",
+    "b'x'",
+    "r\"",
+    "r#\"",
+    "\"#",
+    "r#a",
+    "b\"",
+    "br\"",
+    "#![enable(implicit_some)]",
+    "#!",
+    "0",
+    "-1",
+    "1e400",
+    "0x1F",
+    "1_000",
+    "1..2",
+    "..",
+    "inf",
+    "-inf",
+    "NaN",
+    "true",
+    "false",
+    "()",
+    "wires:",
+    "curve:",
+    "points:",
+    "object:",
+    "radius:",
+    "version:",
+    "é",
+    "🦀",
+    "\u{feff}",
+    "\u{200e}",
+    "\u{0}",
+    "ª",
+    "x.y",
+    "+",
+    "-",
+    ".",
+    "1f32",
+    "2u8",
 ];
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn truncated_presets(bytes in source(), at in 0.0..1.0_f64) {
@@ -83,8 +150,8 @@ proptest! {
         let value: String = tokens.into_iter().map(|i| TOKENS[i]).collect();
         let text = format!("Deform(wires: [{value}])");
         let valid = ron::from_str::<serde::de::IgnoredAny>(&text).is_ok();
-        // Maps are RON, but stand in no preset.
-        if valid && !text.contains(['{', '}']) && let Err(errors) = parse(text.as_bytes(), &Limits::default()) {
+        // Maps and ranges are RON, but stand in no preset.
+        if valid && !text.contains(['{', '}']) && !text.contains("..") && let Err(errors) = parse(text.as_bytes(), &Limits::default()) {
             for error in errors.errors() {
                 prop_assert_ne!(error.kind, wirework_preset::PresetErrorKind::Syntax, "{}\n{}", text, error);
             }
@@ -100,4 +167,19 @@ fn every_prefix_of_a_template() {
             read(&text.as_bytes()[..end]);
         }
     }
+}
+
+#[test]
+fn a_large_preset_takes_a_moment_only() {
+    use std::fmt::Write as _;
+    let mut text = "Deform(wires: [Wire(curve: Polyline(points: [".to_owned();
+    for i in 0..100_000 {
+        write!(text, "({}, 0.25, -1e-3), ", f64::from(i) * 0.01).unwrap();
+    }
+    text.push_str("]), scale: 2)])");
+    let start = std::time::Instant::now();
+    assert!(parse(text.as_bytes(), &Limits::default()).is_ok());
+    // Some 0.1 s here; more than linear time would be minutes.
+    println!("{} bytes in {:?}", text.len(), start.elapsed());
+    assert!(start.elapsed().as_secs() < 10);
 }

@@ -31,7 +31,9 @@ fn wire_at(fields: &str, seconds: f64) -> Wire {
 }
 
 fn object(text: &str) -> Object {
-    preset(&format!("Deform(object: {text}, wires: [Wire(curve: Polyline([(0, 0, 0)]))])")).object.expect("an object")
+    preset(&format!("Deform(object: {text}, wires: [Wire(curve: Polyline([(0, 0, 0)]))])"))
+        .object
+        .expect("an object")
 }
 
 #[test]
@@ -39,7 +41,10 @@ fn what_is_left_out_has_the_documented_default() {
     let curve = Curve::polyline(vec![[0.0; 3], [1.0, 0.0, 0.0]]).unwrap();
     assert_eq!(wire(""), Wire::new(curve));
     let wire = wire("");
-    assert_eq!((wire.radius, wire.scale, wire.rotation, wire.amplitude, wire.twist), (1.0, 1.0, 1.0, 1.0, 0.0));
+    assert_eq!(
+        (wire.radius, wire.scale, wire.rotation, wire.amplitude, wire.twist),
+        (1.0, 1.0, 1.0, 1.0, 0.0)
+    );
     assert_eq!((wire.density, wire.bend), (Density::Quartic, Bend::Tangent));
     assert_eq!((wire.interpolation, wire.correspondence), (Interpolation::Linear, Correspondence::Parameter));
     assert_eq!((wire.group, wire.exponent, wire.locators.len()), (None, None, 0));
@@ -68,7 +73,8 @@ fn objects_have_the_documented_defaults() {
     );
     let Shape::Tube { caps, .. } = shape("Tube(from: (0, 0, 0), to: (1, 0, 0), radius: 1)") else { panic!() };
     assert!(caps);
-    let Shape::Patch { patch, tessellation } = shape("Patch(points: [[(0, 0, 0), (1, 0, 0)], [(0, 1, 0), (1, 1, 0)]])")
+    let Shape::Patch { patch, tessellation } =
+        shape("Patch(points: [[(0, 0, 0), (1, 0, 0)], [(0, 1, 0), (1, 1, 0)]])")
     else {
         panic!()
     };
@@ -79,7 +85,10 @@ fn objects_have_the_documented_defaults() {
 fn objects_become_meshes_where_they_stand() {
     let mesh = |text: &str| object(text).build().unwrap().expect("a mesh");
     assert_eq!(mesh("Grid(size: (2, 2), cells: (4, 3))").positions.len(), 5 * 4);
-    assert_eq!(mesh("Tube(from: (0, 0, 0), to: (1, 0, 0), radius: 1, sides: 5, rings: 4)").positions.len(), 22);
+    assert_eq!(
+        mesh("Tube(from: (0, 0, 0), to: (1, 0, 0), radius: 1, sides: 5, rings: 4)").positions.len(),
+        22
+    );
     let placed = mesh("Points(points: [(1, 0, 0)], translation: (0, 0, 5), rotation: (0, 0, 90), scale: 2)");
     for (found, expected) in placed.positions[0].iter().zip([0.0, 2.0, 5.0]) {
         assert!((found - expected).abs() < 1e-6, "{placed:?}");
@@ -183,10 +192,18 @@ fn what_is_hardly_meant_is_a_warning() {
     for (text, at, message) in [
         (format!("Deform(wires: [Wire({curve})])"), "Wire(", "moves nothing"),
         (format!("Deform(wires: [Wire({curve}, scale: 2, amplitude: 0)])"), "Wire(", "moves nothing"),
-        (format!("Deform(wires: [Wire({curve}, scale: 2, locators: [Locator(u: 0, scale: 3)])])"), "2,", "override"),
+        (
+            format!("Deform(wires: [Wire({curve}, scale: 2, locators: [Locator(u: 0, scale: 3)])])"),
+            "2,",
+            "override",
+        ),
         (format!("Deform(wires: [Wire({curve}, scale: 2, group: \"g\")])"), "\"g\"", "only this wire"),
         ("Wrinkle(pattern: Drawn([Polyline([(0, 0, 0)])]), intensity: 0)".to_owned(), "0)", "nothing moves"),
-        ("Wrinkle(pattern: Drawn([Polyline([(0, 0, 0)])]), creases: 7)".to_owned(), "7", "no effect on drawn"),
+        (
+            "Wrinkle(pattern: Drawn([Polyline([(0, 0, 0)])]), creases: 7)".to_owned(),
+            "7",
+            "no effect on drawn",
+        ),
     ] {
         let found = warnings(&text);
         assert_eq!(found.len(), 1, "{text}\n{found:?}");

@@ -78,7 +78,7 @@ impl Place {
 
 /// The unit tangent, or zero.
 pub(crate) fn direction(curve: &Curve, place: Place) -> DVec3 {
-    let unit = |segment, t| slope(curve, Place { segment, t }).normalize_or_zero();
+    let unit = |segment, t| one_sided_direction(curve, Place { segment, t });
     match place.joint(curve) {
         None => unit(place.segment, place.t),
         Some((before, after)) => mean_direction(
@@ -88,8 +88,25 @@ pub(crate) fn direction(curve: &Curve, place: Place) -> DVec3 {
     }
 }
 
+/// A derivative this short beside the segment's largest is zero: float32 control points fold a curve back on itself no
+/// more exactly, and a foot on the fold would turn by the last bit of its parameter.
+const STANDSTILL: f64 = 1e-6;
+
+/// So is one this short beside the largest coordinate: it is the rounding of float64.
+const ROUNDING: f64 = 1e-14;
+
+/// The unit tangent as seen from within the place's segment, or zero.
+pub(crate) fn one_sided_direction(curve: &Curve, place: Place) -> DVec3 {
+    let here = slope(curve, place);
+    let speed = |t| slope(curve, Place { t, ..place }).length();
+    let largest = speed(0.0).max(speed(0.5)).max(speed(1.0));
+    let extent = curve.points().iter().map(|&p| wide(p).abs().max_element()).fold(0.0, f64::max);
+    let nothing = (STANDSTILL * largest).max(ROUNDING * extent);
+    if here.length() <= nothing { DVec3::ZERO } else { here.normalize_or_zero() }
+}
+
 /// Two unit tangents whose sum is shorter than this cancel: what is left of them is rounding.
-const CANCELLED: f64 = 1e-12;
+const CANCELLED: f64 = 1e-6;
 
 pub(crate) fn mean_direction(left: DVec3, right: DVec3) -> DVec3 {
     let sum = left + right;

@@ -8,7 +8,7 @@ pub fn length(curve: &Curve) -> f64 {
     Lengths::new(curve).total()
 }
 
-/// The smallest `u` at `fraction` of the length; at a curve of length zero `None`.
+/// The `u` at `fraction` of the length; at a curve of length zero `None`.
 pub fn at_length(curve: &Curve, fraction: f64) -> Option<f64> {
     Some(Lengths::new(curve).place(fraction)?.u(curve))
 }
@@ -56,14 +56,16 @@ impl Lengths {
         if self.total() > 0.0 { (sum / self.total()).min(1.0) } else { 0.0 }
     }
 
-    /// The first place at `fraction` of the length.
+    /// The place at `fraction` of the length. Where the curve stands still there are many: the last, or at the very end
+    /// the first, so that the tangent is one the curve moves along.
     pub(crate) fn place(&self, fraction: f64) -> Option<Place> {
         let total = self.total();
         if total <= 0.0 {
             return None;
         }
         let wanted = fraction * total;
-        let cell = self.sums.partition_point(|&sum| sum < wanted).saturating_sub(1);
+        let before = |&sum: &f64| if wanted < total { sum <= wanted } else { sum < wanted };
+        let cell = self.sums.partition_point(before).saturating_sub(1);
         let cell = cell.min(self.sums.len() - 2);
         let (segment, start) = (cell / CELLS, (cell % CELLS) as f64 / CELLS as f64);
         let (mut low, mut high) = (start, start + 1.0 / CELLS as f64);

@@ -8,17 +8,23 @@
 //! `B(p) = A_W(p′) · B(0) · A_R(p)⁻¹`, where `B(0)` is the least rotation from `R′(0)` to `W′(0)`.
 //! Its rotation vector is followed from `u = 0`, the nearest branch at each step, so that its angle may pass π.
 
-use crate::curve::{Place, at, direction, segment_count, slope};
+use crate::curve::{Place, at, direction, one_sided_direction, segment_count};
 use crate::length::Lengths;
 use crate::rotation::{continued, least, quat};
 use glam::{DQuat, DVec3};
 use wirework_core::Curve;
 
-/// Double reflections a segment.
+/// Double reflections a segment, at least.
 const STEPS: usize = 256;
 
-/// Steps of the double reflection from one station of the rotation vector to the next.
-const STRIDE: usize = 4;
+/// A step over which the tangent turns by more (radians) is halved, but
+const TURN: f64 = 0.02;
+
+/// no more often than this: what is left is a cusp, and a corner.
+const HALVINGS: usize = 24;
+
+/// The rotation vector is followed over as many even steps a segment, and over all that were halved.
+const STATIONS: usize = 64;
 
 /// Steps in which the turn at a corner is followed.
 const CORNER_STEPS: usize = 16;
@@ -27,12 +33,22 @@ const CORNER_STEPS: usize = 16;
 #[derive(Clone, Debug)]
 pub(crate) struct Turning {
     curve: Curve,
-    /// Of each segment, rotation since `u = 0` and unit tangent at its `STEPS + 1` nodes.
-    nodes: Vec<Vec<(DQuat, DVec3)>>,
+    /// Of each segment, by rising `t` from 0 to 1.
+    nodes: Vec<Vec<Node>>,
     /// Of each joint, the rotation vector from its left to its right tangent.
     corners: Vec<DVec3>,
     /// The tangent at `u = 0`.
     start: DVec3,
+}
+
+/// The frame at one place within a segment.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    t: f64,
+    /// Since `u = 0`.
+    rotation: DQuat,
+    /// The unit tangent; where the curve stands still the one before.
+    tangent: DVec3,
 }
 
 /// Where on a curve a frame is asked for.
@@ -47,55 +63,79 @@ pub(crate) enum Spot {
 impl Turning {
     pub(crate) fn new(curve: &Curve) -> Self {
         let n = segment_count(curve);
-        let raw = |segment, i: usize| {
-            slope(curve, Place { segment, t: i as f64 / STEPS as f64 }).normalize_or_zero()
-        };
+        let raw = |segment, t| one_sided_direction(curve, Place { segment, t });
         // A zero tangent is passed over: the frame waits for the next direction.
-        let mut all = (0..n).flat_map(|s| (0..=STEPS).map(move |i| (s, i)));
-        let first = all.find_map(|(s, i)| Some(raw(s, i)).filter(|t| *t != DVec3::ZERO)).unwrap_or_default();
+        let mut all = (0..n).flat_map(|s| (0..=STEPS).map(move |i| (s, i as f64 / STEPS as f64)));
+        let first = all.find_map(|(s, t)| Some(raw(s, t)).filter(|t| *t != DVec3::ZERO)).unwrap_or_default();
         let mean = direction(curve, Place { segment: 0, t: 0.0 });
         let start = if mean == DVec3::ZERO { first } else { mean };
         let mut turning = Self { curve: curve.clone(), nodes: Vec::new(), corners: Vec::new(), start };
         let (mut rotation, mut tangent) = (DQuat::IDENTITY, start);
         for segment in 0..n {
-            let right = Some(raw(segment, 0)).filter(|t| *t != DVec3::ZERO).unwrap_or(tangent);
+            let right = Some(raw(segment, 0.0)).filter(|t| *t != DVec3::ZERO).unwrap_or(tangent);
             let corner = least(tangent, right);
             turning.corners.push(corner);
-            rotation = quat(corner) * rotation;
-            tangent = right;
-            let mut nodes = vec![(rotation, tangent)];
+            let mut nodes = vec![Node { t: 0.0, rotation: quat(corner) * rotation, tangent: right }];
             for i in 1..=STEPS {
-                let t = i as f64 / STEPS as f64;
-                (rotation, tangent) = turning.step(segment, nodes[i - 1], t - 1.0 / STEPS as f64, t);
-                nodes.push((rotation, tangent));
+                turning.advance(segment, &mut nodes, i as f64 / STEPS as f64, HALVINGS);
             }
+            (rotation, tangent) = (nodes[nodes.len() - 1].rotation, nodes[nodes.len() - 1].tangent);
             turning.nodes.push(nodes);
         }
         turning
     }
 
-    fn step(&self, segment: usize, from: (DQuat, DVec3), t0: f64, t1: f64) -> (DQuat, DVec3) {
-        let (rotation, tangent) = from;
-        let next = slope(&self.curve, Place { segment, t: t1 }).normalize_or_zero();
-        if next == DVec3::ZERO || t0 == t1 {
-            return (rotation, tangent);
+    /// Adds the node at `t`, and others before it where the tangent turns fast.
+    fn advance(&self, segment: usize, nodes: &mut Vec<Node>, t: f64, halvings: usize) {
+        let last = nodes[nodes.len() - 1];
+        let next = self.step(segment, last, t);
+        if halvings > 0 && least(last.tangent, next.tangent).length() > TURN {
+            self.advance(segment, nodes, 0.5 * (last.t + t), halvings - 1);
+            self.advance(segment, nodes, t, halvings - 1);
+        } else {
+            nodes.push(next);
         }
-        let chord = at(&self.curve, Place { segment, t: t1 }) - at(&self.curve, Place { segment, t: t0 });
-        ((double_reflection(chord, tangent, next) * rotation).normalize(), next)
+    }
+
+    /// The node at `t`, one double reflection on from another.
+    fn step(&self, segment: usize, from: Node, t: f64) -> Node {
+        let next = one_sided_direction(&self.curve, Place { segment, t });
+        if next == DVec3::ZERO || t == from.t {
+            return Node { t, ..from };
+        }
+        let place = |t| at(&self.curve, Place { segment, t });
+        let turn = double_reflection(place(t) - place(from.t), from.tangent, next);
+        Node { t, rotation: (turn * from.rotation).normalize(), tangent: next }
+    }
+
+    fn end(&self, segment: usize) -> DQuat {
+        self.nodes[segment][self.nodes[segment].len() - 1].rotation
+    }
+
+    /// Where the rotation vector must be looked at, in segments from the start.
+    fn stations(&self) -> impl Iterator<Item = f64> {
+        let even = |t: f64| (t * STATIONS as f64).fract() == 0.0;
+        let halved = |t: f64| (t * STEPS as f64).fract() != 0.0;
+        let of_segment = move |(segment, nodes): (usize, &Vec<Node>)| {
+            let places = nodes.iter().map(|n| n.t).filter(move |&t| t < 1.0 && (even(t) || halved(t)));
+            places.map(move |t| segment as f64 + t).collect::<Vec<_>>()
+        };
+        self.nodes.iter().enumerate().flat_map(of_segment)
     }
 
     /// The rotation of the frame since `u = 0`.
     pub(crate) fn rotation(&self, spot: Spot) -> DQuat {
         match spot {
             Spot::Inside(Place { segment, t }) => {
-                let i = ((t * STEPS as f64) as usize).min(STEPS);
-                self.step(segment, self.nodes[segment][i], i as f64 / STEPS as f64, t).0
+                let nodes = &self.nodes[segment];
+                let before = nodes.partition_point(|n| n.t <= t).max(1) - 1;
+                self.step(segment, nodes[before], t).rotation
             }
             // The start of a closed curve is its mean tangent: only the second half of that corner is turned.
             Spot::Corner(0, part) => quat(self.corners[0] * (2.0 * part - 1.0).max(0.0)),
             Spot::Corner(joint, part) => match self.corners.get(joint) {
-                Some(&corner) => quat(corner * part) * self.nodes[joint - 1][STEPS].0,
-                None => self.nodes[joint - 1][STEPS].0,
+                Some(&corner) => quat(corner * part) * self.end(joint - 1),
+                None => self.end(joint - 1),
             },
         }
     }
@@ -160,17 +200,19 @@ impl Transport {
     fn path(&self) -> Vec<(f64, Spot, Spot)> {
         let (r, w) = (&self.reference.curve, &self.pose.curve);
         let n = segment_count(r);
-        let mut places: Vec<f64> =
-            (0..=n * STEPS / STRIDE).map(|i| (i * STRIDE) as f64 / STEPS as f64).collect();
-        if let Some((of_r, of_w)) = &self.lengths {
-            let joints = (1..segment_count(w)).map(|segment| Place { segment, t: 0.0 });
-            let back = joints.filter_map(|joint| of_r.place(of_w.fraction(joint)));
-            // Where R has a joint at the same place it is there already.
-            let inside = |x: &f64| (x - x.round()).abs() > 2e-6;
-            places.extend(back.map(|place| place.segment as f64 + place.t).filter(inside));
-            places.sort_by(f64::total_cmp);
-            places.dedup();
+        let mut places: Vec<f64> = self.reference.stations().chain([n as f64]).collect();
+        match &self.lengths {
+            None => places.extend(self.pose.stations()),
+            Some((of_r, of_w)) => {
+                // Joints and fast turns of W; where R has a joint at the same place it is there already.
+                let on_w = self.pose.stations().map(|x| Place { segment: x as usize, t: x.fract() });
+                let back = on_w.filter_map(|place| of_r.place(of_w.fraction(place)));
+                let clear = |x: &f64| (x - x.round()).abs() > 2e-6;
+                places.extend(back.map(|place| place.segment as f64 + place.t).filter(clear));
+            }
         }
+        places.sort_by(f64::total_cmp);
+        places.dedup();
         let mut path = Vec::new();
         for x in places {
             let segment = (x.floor() as usize).min(n - 1);

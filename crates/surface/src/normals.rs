@@ -29,6 +29,15 @@ const CHUNK: usize = 4096;
 /// divides two numbers that have cancelled.
 const WIDE_BELOW: f32 = -0.9;
 
+/// Below this squared sine of its angle a triangle's normal is found in f64: in f32 it would be off by 1e-4.
+const SLIVER: f32 = 1e-6;
+
+/// Squared areas that are far from the ends of f32's range.
+const SAFE: std::ops::Range<f32> = 1e-30..1e30;
+
+/// Where the weighted sum of unit normals is shorter than the root of this, of angles of some radians, it is rounding.
+const CANCELLED: f32 = 1e-10;
+
 /// A sine below this is the rounding of unit vectors to f32, and any perpendicular is as good an axis.
 const OPPOSITE: f64 = 1e-7;
 
@@ -141,14 +150,14 @@ impl Normals {
         buffer.groups.resize(self.fan_starts.len().saturating_sub(1), [0.0; 3]);
         let faces = &mut buffer.faces;
         faces.par_iter_mut().zip(&self.triangles).with_min_len(CHUNK).for_each(|(face, triangle)| {
-            let [a, b, c] = triangle.map(|i| wide(positions[i as usize]));
-            *face = direction((b - a).cross(c - a));
+            *face = face_direction(triangle.map(|i| positions[i as usize]));
         });
         let faces = &buffer.faces;
         buffer.groups.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(group, out)| {
             let fan = self.fan_starts[group] as usize..self.fan_starts[group + 1] as usize;
             let sum: Vec3 = self.fans[fan].iter().map(|&(f, w)| Vec3::from(faces[f as usize]) * w).sum();
-            *out = direction(sum.as_dvec3());
+            *out = if sum.length_squared() > CANCELLED { sum.normalize_or_zero() } else { Vec3::ZERO }
+                .to_array();
         });
     }
 }
@@ -157,9 +166,16 @@ fn check_length(what: &'static str, vertices: usize, found: usize) -> Result<(),
     if vertices == found { Ok(()) } else { Err(NormalsError::Length { what, vertices, found }) }
 }
 
-/// The unit vector, or zero where there is none.
-fn direction(v: DVec3) -> [f32; 3] {
-    v.normalize_or_zero().as_vec3().to_array()
+/// A triangle's unit normal, zero where there is none. In f64 where f32 would cancel or leave its range.
+fn face_direction([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
+    let (e, f) = (Vec3::from(b) - Vec3::from(a), Vec3::from(c) - Vec3::from(a));
+    let normal = e.cross(f);
+    let (square, scale) = (normal.length_squared(), e.length_squared() * f.length_squared());
+    if square > SLIVER * scale && SAFE.contains(&square) {
+        return (normal / square.sqrt()).to_array();
+    }
+    let normal = (wide(b) - wide(a)).cross(wide(c) - wide(a));
+    normal.normalize_or_zero().as_vec3().to_array()
 }
 
 /// The group of each vertex, numbered as they first occur, and how many there are.

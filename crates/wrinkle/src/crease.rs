@@ -7,10 +7,11 @@
 //!
 //! # How fine
 //!
-//! A point of the surface at distance `e` from `R` rises by `F = f(e/r)` instead of 1. The sharpest density loses
-//! `2 e/r`, so `e ≤ 0.005 r` costs 1 % of the height; `N` between its nodes may be off by another 1 %. Together they keep
-//! the crest within 3 %. A crease starts with a span a third of the thickness, which on a surface of radius `ρ` leaves
-//! `e` about `(r/3)⁴/(400 ρ³)`, and is refined where the surface (an edge, a facet) asks for more.
+//! A point of the surface at distance `e` from `R` rises by `F = (1 − (e/r)^q)²` instead of 1, a loss of about
+//! `2 (e/r)^q`: for the loss to stay under 1 %, a sharp crease (`q = 1`) must keep to 0.005 of its thickness, the quartic
+//! (`q = 2`) to 0.07. `N` between its nodes may be off by another 1 %. Together they keep the crest within 3 %. A crease
+//! starts with a span a third of the thickness, which on a surface of radius `ρ` leaves `e` about
+//! `(r/3)⁴/(400 ρ³)`, and is refined where the surface (an edge, a facet) asks for more.
 
 use wirework_core::{Blend, Curve, CurveKind, Density, Keyed, Wire};
 
@@ -20,12 +21,15 @@ use crate::height::{MIN_SPANS_VARYING, height};
 use crate::random::{Jitter, unit};
 use crate::{Pattern, SurfaceView, Wrinkle, WrinkleError};
 
-/// How far `R` may leave the surface, in parts of the thickness.
-const OFF_SURFACE: f64 = 0.005;
+/// The part of the height that may be lost because `R` leaves the surface.
+const LOSS: f64 = 0.01;
+/// How far `R` may leave the surface however little it costs, in parts of the thickness: what a viewer of the wires
+/// would see.
+const OFF_SURFACE: f64 = 0.05;
 /// How far `N` may be from length 1 between its nodes.
 const OFF_UNIT: f64 = 0.01;
 /// Spans in the length of a thickness at the coarsest, and how often they are halved at most: a hard edge across
-/// a crease never gets within [`OFF_SURFACE`], and a span of 1/24 of the thickness cuts it by 1/70.
+/// a crease never gets within [`LOSS`], and a span of 1/24 of the thickness cuts it by 1/70.
 const SPANS_A_THICKNESS: f64 = 3.0;
 const HALVINGS: usize = 3;
 /// Spans of a crease: enough to follow a bend, and not so many that a tiny thickness takes for ever.
@@ -61,17 +65,24 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
     let Pattern::Drawn(curves) = &settings.pattern;
     // The finest it will ever be, so that a keyed thickness does not move the references.
     let thickness = settings.thickness.values().copied().fold(f32::INFINITY, f32::min);
+    // 1, 2, 4: half of the height lies at 0.29, 0.54 and 0.74 of the thickness.
+    let q = 4.0_f32.powf(settings.stiffness);
+    let reach = f64::from(thickness);
+    let fineness = Fineness {
+        span: reach / SPANS_A_THICKNESS,
+        off: reach * (LOSS / 2.0).powf(1.0 / f64::from(q)).min(OFF_SURFACE),
+        least: if settings.varies() { MIN_SPANS_VARYING } else { *SPANS.start() },
+    };
     let lay = |(index, curve)| {
         let trace = Trace::drop(&ground, curve, index, settings, thickness)?;
         let strength =
             1.0 - 0.5 * f64::from(settings.randomness) * unit(settings.seed, index, Jitter::Height);
-        Crease::new(&ground, &trace, curve.closed(), f64::from(thickness), settings.varies(), strength)
+        Crease::new(&ground, &trace, curve.closed(), &fineness, strength)
             .ok_or(WrinkleError::NoNormal { curve: index })
     };
     Ok(Creases {
         creases: curves.iter().enumerate().map(lay).collect::<Result<_, _>>()?,
-        // 1, 2, 4: half of the height lies at 0.29, 0.54 and 0.74 of the thickness.
-        density: Density::Fold(4.0_f32.powf(settings.stiffness)),
+        density: Density::Fold(q),
         thickness: settings.thickness.clone(),
         intensity: settings.intensity.clone(),
         propagation: settings.propagation.clone(),
@@ -127,22 +138,24 @@ impl Creases {
     }
 }
 
+/// How fine a crease is.
+struct Fineness {
+    /// Length of a span at the coarsest.
+    span: f64,
+    /// How far `R` may be off the surface.
+    off: f64,
+    /// Spans at least.
+    least: usize,
+}
+
 impl Crease {
     /// `None` where the surface has no normal.
-    fn new(
-        ground: &Ground,
-        trace: &Trace,
-        closed: bool,
-        thickness: f64,
-        varies: bool,
-        strength: f64,
-    ) -> Option<Self> {
-        let least = if varies { MIN_SPANS_VARYING } else { *SPANS.start() };
-        let coarsest = (trace.length() / thickness * SPANS_A_THICKNESS).ceil() as usize;
-        let mut spans = coarsest.clamp(least, *SPANS.end());
+    fn new(ground: &Ground, trace: &Trace, closed: bool, fineness: &Fineness, strength: f64) -> Option<Self> {
+        let coarsest = (trace.length() / fineness.span).ceil() as usize;
+        let mut spans = coarsest.clamp(fineness.least, *SPANS.end());
         for _ in 0..HALVINGS {
             let crease = Self::of_spans(ground, trace, closed, spans, strength)?;
-            if spans == *SPANS.end() || crease.follows(ground, thickness, spans) {
+            if spans == *SPANS.end() || crease.follows(ground, fineness.off, spans) {
                 return Some(crease);
             }
             spans = (spans * 2).min(*SPANS.end());
@@ -170,12 +183,12 @@ impl Crease {
     }
 
     /// Whether it keeps to the surface and to its height between the nodes: where spans meet.
-    fn follows(&self, ground: &Ground, thickness: f64, spans: usize) -> bool {
+    fn follows(&self, ground: &Ground, allowed: f64, spans: usize) -> bool {
         let Ok(lift) = self.reference.posed(self.lift.clone()) else { return true };
         (0..=spans).all(|i| {
             let u = i as f32 / spans as f32;
             let off = ground.distance(wide(self.reference.point(u)));
-            off <= OFF_SURFACE * thickness && (wide(lift.point(u)).length() - 1.0).abs() <= OFF_UNIT
+            off <= allowed && (wide(lift.point(u)).length() - 1.0).abs() <= OFF_UNIT
         })
     }
 }

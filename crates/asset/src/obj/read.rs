@@ -12,8 +12,23 @@ use crate::uri;
 
 /// Statements that carry no geometry: kept, and not worth a word.
 const SILENT: [&[u8]; 17] = [
-    b"g", b"o", b"s", b"mg", b"usemtl", b"mtllib", b"usemap", b"maplib", b"bevel", b"c_interp", b"d_interp", b"lod",
-    b"shadow_obj", b"trace_obj", b"ctech", b"stech", b"vp",
+    b"g",
+    b"o",
+    b"s",
+    b"mg",
+    b"usemtl",
+    b"mtllib",
+    b"usemap",
+    b"maplib",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
+    b"trace_obj",
+    b"ctech",
+    b"stech",
+    b"vp",
 ];
 
 impl Obj {
@@ -39,7 +54,8 @@ impl Obj {
     }
 
     fn parse(text: Vec<u8>, name: &str, budget: &mut Budget) -> Result<Self, AssetError> {
-        let mut reader = Reader { text: &text, budget, mesh: Mesh::default(), statements: Vec::new(), line: 0 };
+        let mut reader =
+            Reader { text: &text, budget, mesh: Mesh::default(), statements: Vec::new(), line: 0 };
         let mut unknown: Option<(usize, usize, String)> = None;
         let mut at = if text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         let mut line = 1;
@@ -54,11 +70,16 @@ impl Obj {
         }
         let Reader { mesh, statements, .. } = reader;
         if mesh.positions.is_empty() {
-            return Err(AssetError::file("a file without any vertex", "geometry: lines that start with \"v\""));
+            return Err(AssetError::file(
+                "a file without any vertex",
+                "geometry: lines that start with \"v\"",
+            ));
         }
         let mut warnings = Vec::new();
         if let Some((line, count, word)) = unknown {
-            let message = format!("{count} statements are not known (the first is {word:?}); they are kept as they are");
+            let message = format!(
+                "{count} statements are not known (the first is {word:?}); they are kept as they are"
+            );
             warnings.push(Warning::new("statement", Place::Line(line), message));
         }
         Ok(Self { mesh, warnings, file: name.to_owned(), text, statements })
@@ -144,7 +165,8 @@ impl Reader<'_> {
             return Err(self.fault(format!("{} numbers", arguments.len()), format!("{N}")));
         }
         for (slot, word) in out.iter_mut().zip(arguments) {
-            let number = str::from_utf8(&self.text[word.clone()]).ok().and_then(|text| text.parse::<f32>().ok());
+            let number =
+                str::from_utf8(&self.text[word.clone()]).ok().and_then(|text| text.parse::<f32>().ok());
             *slot = number
                 .filter(|number| number.is_finite())
                 .ok_or_else(|| self.fault(format!("{:?}", self.show(word.clone())), "a finite number"))?;
@@ -187,10 +209,14 @@ impl Reader<'_> {
         let fault = |expected: String| self.fault(format!("{:?}", String::from_utf8_lossy(digits)), expected);
         let number = str::from_utf8(digits).ok().and_then(|text| text.parse::<i64>().ok());
         let number = number.ok_or_else(|| fault(format!("the index of a {what}")))?;
-        let index = if number < 0 { number.checked_add(count as i64) } else { number.checked_sub(1) };
-        index.filter(|&i| i >= 0 && (i as u64) < count as u64).and_then(|i| u32::try_from(i).ok()).ok_or_else(|| {
-            fault(format!("the index of a {what} that came before: 1 to {count}, or −1 to −{count}"))
-        })
+        let index = if number < 0 {
+            i64::try_from(count).ok().and_then(|count| number.checked_add(count))
+        } else {
+            number.checked_sub(1)
+        };
+        index.filter(|&i| i >= 0 && (i as u64) < count as u64).and_then(|i| u32::try_from(i).ok()).ok_or_else(
+            || fault(format!("the index of a {what} that came before: 1 to {count}, or −1 to −{count}")),
+        )
     }
 }
 

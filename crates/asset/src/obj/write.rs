@@ -61,10 +61,14 @@ impl Obj {
         let same_faces = deformed.face_ends == self.mesh.face_ends
             && deformed.corners.len() == self.mesh.corners.len()
             && deformed.corners.iter().zip(&self.mesh.corners).all(|(a, b)| same_corner(a, b));
-        if !same_faces || deformed.positions.len() != self.mesh.positions.len() || deformed.uvs != self.mesh.uvs {
+        if !same_faces
+            || deformed.positions.len() != self.mesh.positions.len()
+            || deformed.uvs != self.mesh.uvs
+        {
             return write_obj(deformed);
         }
-        let same_normals = deformed.normals.len() == self.mesh.normals.len() && deformed.corners == self.mesh.corners;
+        let same_normals =
+            deformed.normals.len() == self.mesh.normals.len() && deformed.corners == self.mesh.corners;
         let mut out = Vec::with_capacity(self.text.len());
         let (mut at, mut position, mut normal, mut polygon) = (0, 0, 0, 0);
         let mut listed = same_normals;
@@ -78,7 +82,12 @@ impl Obj {
                     position += 1;
                 }
                 Kind::Normal if same_normals => {
-                    self.coordinates(&mut out, statement, self.mesh.normals[normal], deformed.normals[normal]);
+                    self.coordinates(
+                        &mut out,
+                        statement,
+                        self.mesh.normals[normal],
+                        deformed.normals[normal],
+                    );
                     normal += 1;
                 }
                 Kind::Normal => {}

@@ -1,0 +1,116 @@
+//! Spoiled documents: any answer but a panic.
+
+use proptest::prelude::*;
+use serde_json::{Value, json};
+use wirework_asset::{Gltf, Limits};
+
+mod make;
+use make::triangle;
+
+fn full() -> make::Doc {
+    let mut doc = triangle(json!({ "skin": 0 }));
+    doc.node(json!({ "translation": [0, 0, 3], "children": [2] }));
+    doc.node(json!({ "rotation": [0, 0, 0, 1], "weights": [0.5], "mesh": 0 }));
+    let joints =
+        doc.accessor(json!({ "componentType": 5121, "type": "VEC4", "count": 3 }), &[0, 1, 0, 0].repeat(3));
+    let weights = doc.floats("VEC4", &[0.5, 0.5, 0.0, 0.0].repeat(3));
+    let deltas = doc.floats("VEC3", &[0.0, 0.0, 2.0].repeat(3));
+    let indices =
+        doc.accessor(json!({ "componentType": 5123, "type": "SCALAR", "count": 3 }), &[0, 0, 1, 0, 2, 0]);
+    let (at, values) = (doc.view(&[1]), doc.view(&7.0_f32.to_le_bytes().repeat(3)));
+    doc.json["accessors"][0]["sparse"] = json!({
+        "count": 1, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": values },
+    });
+    doc.json["skins"] = json!([{ "joints": [1, 2] }]);
+    let primitive = &mut doc.json["meshes"][0]["primitives"][0];
+    primitive["attributes"]["JOINTS_0"] = json!(joints);
+    primitive["attributes"]["WEIGHTS_0"] = json!(weights);
+    primitive["targets"] = json!([{ "POSITION": deltas }]);
+    primitive["indices"] = json!(indices);
+    let times = doc.floats("SCALAR", &[0.0, 1.0]);
+    let track = doc.floats("SCALAR", &[0.0, 1.0]);
+    doc.json["animations"] = json!([{
+        "samplers": [{ "input": times, "output": track }],
+        "channels": [{ "sampler": 0, "target": { "node": 2, "path": "weights" } }],
+    }]);
+    doc
+}
+
+/// All that can be done with a document.
+fn use_it(glb: &[u8]) -> bool {
+    let Ok(mut gltf) = Gltf::from_slice(glb, "spoiled", &Limits::default()) else { return false };
+    let Ok(rest) = gltf.rest() else { return false };
+    let moved: Vec<[f32; 3]> = rest.positions.iter().map(|p| [p[0], p[1] + 1.0, p[2]]).collect();
+    let mut still = gltf.clone();
+    let _ = still.set_still(&rest, &moved, None);
+    let _ = still.to_glb();
+    for part in &rest.parts {
+        let deltas = rest.to_local(part.block, &moved, None);
+        let Ok(position) = gltf.append_deltas(&deltas.positions, true) else { continue };
+        let target = wirework_asset::MorphTarget { position, normal: None };
+        let target = wirework_asset::MeshTarget { name: "a".into(), primitives: vec![target] };
+        let _ = gltf.add_targets_by_node(part.mesh, &[(part.node, &[target])]);
+        let _ = gltf.default_weights(part.node);
+    }
+    gltf.to_glb().is_ok()
+}
+
+fn leaves(value: &Value, at: &str, out: &mut Vec<String>) {
+    out.push(at.to_owned());
+    match value {
+        Value::Object(map) => map.iter().for_each(|(key, value)| leaves(value, &format!("{at}/{key}"), out)),
+        Value::Array(list) => {
+            list.iter().enumerate().for_each(|(k, value)| leaves(value, &format!("{at}/{k}"), out))
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn the_document_is_good_before_it_is_spoiled() {
+    assert!(use_it(&full().glb()));
+}
+
+#[test]
+fn every_value_replaced_by_any_other() {
+    let good = full();
+    let mut all = Vec::new();
+    leaves(&good.json, "", &mut all);
+    let bad = [
+        Value::Null,
+        json!(true),
+        json!(-1),
+        json!(0),
+        json!(1),
+        json!(2),
+        json!(1.5),
+        json!(4_294_967_295_u64),
+        json!(9_223_372_036_854_775_807_u64),
+        json!(1e300),
+        json!(""),
+        json!([]),
+        json!([null]),
+        json!({}),
+        json!([0, 0]),
+    ];
+    for pointer in all.iter().filter(|pointer| !pointer.is_empty()) {
+        for value in &bad {
+            let mut doc = full();
+            *doc.json.pointer_mut(pointer).unwrap() = value.clone();
+            let _ = use_it(&doc.glb());
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn flipped_bytes(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6)) {
+        let mut glb = full().glb();
+        for (index, byte) in changes {
+            *index.get_mut(&mut glb) = byte;
+        }
+        let _ = use_it(&glb);
+    }
+}

@@ -1,0 +1,83 @@
+//! Presets through the engine: what they describe happens.
+
+use std::path::Path;
+
+use wirework_core::{Binding, Blend, Wire};
+use wirework_preset::{Effect, Limits, parse};
+use wirework_surface::Mesh;
+use wirework_wrinkle::{SurfaceView, creases};
+
+/// The object of a preset and where its vertices are at some times.
+fn run(name: &str, times: &[f64]) -> (Mesh, Vec<Vec<[f32; 3]>>) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets").join(name);
+    let preset = parse(&std::fs::read(path).expect("a preset"), &Limits::default()).expect("good").preset;
+    let mesh = preset.object.expect("an object").build().expect("a mesh").expect("no file");
+    let at: Box<dyn Fn(f64) -> (Vec<Wire>, Blend)> = match preset.effect {
+        Effect::Deform(deform) => Box::new(move |seconds| {
+            (deform.wires.iter().map(|wire| wire.at(seconds)).collect(), deform.blend)
+        }),
+        Effect::Wrinkle(settings) => {
+            let triangles = mesh.triangles().expect("triangles");
+            let surface = SurfaceView { positions: &mesh.positions, triangles: &triangles };
+            let creases = creases(&surface, &settings).expect("creases");
+            Box::new(move |seconds| {
+                let mut wires = Vec::new();
+                creases.wires_at(seconds, &mut wires);
+                (wires, creases.blend())
+            })
+        }
+        Effect::Stack(_) => panic!("no preset is a stack yet"),
+    };
+    let mut frames = Vec::new();
+    for &seconds in times {
+        let (wires, blend) = at(seconds);
+        let mut binding = Binding::new(&wires, &mesh.positions).expect("a binding");
+        let mut out = mesh.positions.clone();
+        binding.deform_into(&wires, &blend, &mut out).expect("a deformation");
+        frames.push(out);
+    }
+    (mesh, frames)
+}
+
+/// The largest distance between positions, and how many differ at all.
+fn moved(a: &[[f32; 3]], b: &[[f32; 3]]) -> (f32, usize) {
+    let distance =
+        |p: &[f32; 3], q: &[f32; 3]| p.iter().zip(q).map(|(p, q)| (p - q).powi(2)).sum::<f32>().sqrt();
+    let far = a.iter().zip(b).map(|(p, q)| distance(p, q)).fold(0.0, f32::max);
+    (far, a.iter().zip(b).filter(|(p, q)| p != q).count())
+}
+
+#[test]
+fn presets_begin_at_rest_and_move_what_they_say() {
+    for (name, time, least, most) in [
+        ("deform/lift.ron", 1.0, 0.4, 0.9),
+        ("deform/twist.ron", 1.5, 0.3, 0.9),
+        ("deform/cross.ron", 2.5, 0.35, 0.55),
+        ("deform/bulge.ron", 1.0, 0.1, 0.25),
+        ("deform/arm.ron", 0.5, 0.3, 0.7),
+        ("wrinkle/forehead.ron", 1.5, 0.02, 0.06),
+        ("wrinkle/sleeve.ron", 1.5, 0.07, 0.085),
+    ] {
+        let (mesh, frames) = run(name, &[0.0, time]);
+        assert_eq!(mesh.positions, frames[0], "{name} begins at rest");
+        let (far, count) = moved(&mesh.positions, &frames[1]);
+        assert!((least..=most).contains(&far), "{name}: {far}");
+        assert!(count > mesh.positions.len() / 20, "{name}: {count} of {}", mesh.positions.len());
+        if let Ok(folder) = std::env::var("WIREWORK_TEST_OBJ") {
+            write(&Path::new(&folder).join(name.replace('/', "_")), &mesh, &frames[1]);
+        }
+    }
+}
+
+/// An OBJ to look at, where the environment asks for one.
+fn write(path: &Path, mesh: &Mesh, positions: &[[f32; 3]]) {
+    use std::fmt::Write as _;
+    let mut text = String::new();
+    for [x, y, z] in positions {
+        writeln!(text, "v {x} {y} {z}").expect("a string");
+    }
+    for t in mesh.triangles().expect("triangles") {
+        writeln!(text, "f {} {} {}", t[0] + 1, t[1] + 1, t[2] + 1).expect("a string");
+    }
+    std::fs::write(path.with_extension("obj"), text).expect("a file");
+}
