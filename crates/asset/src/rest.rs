@@ -9,7 +9,7 @@ use wirework_surface::{Corner, Mesh};
 
 use crate::attributes::{self, Local};
 use crate::document::Gltf;
-use crate::error::{AssetError, Warning};
+use crate::error::{AssetError, ErrorClass, Warning};
 use crate::graph::{Graph, floats};
 use crate::json::Json;
 use crate::limits::{Budget, Of, reserve};
@@ -259,17 +259,15 @@ impl Shown<'_> {
             }
         };
         let first = rest.positions.len();
-        rest.positions.try_reserve(count).map_err(|_| primitive.found("too many vertices", "fewer"))?;
-        for (v, p) in local.positions.iter().enumerate() {
-            let matrix = skinned.as_ref().map_or(node, |matrices| &matrices[v]);
-            let world = single(matrix.transform_point3(DVec3::from_array(p.map(f64::from))));
-            if world.iter().any(|c| !c.is_finite()) {
-                return Err(attributes
-                    .need("POSITION")?
-                    .found("a vertex beyond the range of floats", "finite vertices"));
-            }
-            rest.positions.push(world);
+        if u32::try_from(first + count).is_err() {
+            return Err(primitive
+                .found("more vertices than 32 bits count", "fewer")
+                .of_class(ErrorClass::Limit));
         }
+        let matrix = |v: usize| skinned.as_ref().map_or(node, |matrices| &matrices[v]);
+        place(&local.positions, matrix, &mut rest.positions).map_err(|found| {
+            AssetError::new(attributes.place(), found, "vertices in the range of floats that fit into memory")
+        })?;
         let frame = match &skinned {
             None => Frame::Node(Way::new(node)),
             Some(matrices) => {
@@ -332,6 +330,23 @@ impl Shown<'_> {
         rest.triangles.append(&mut triangles);
         Ok(())
     }
+}
+
+/// Appends the world positions of vertices; `matrix` takes each of them there.
+fn place<'m>(
+    local: &[[f32; 3]],
+    matrix: impl Fn(usize) -> &'m DAffine3,
+    out: &mut Vec<[f32; 3]>,
+) -> Result<(), &'static str> {
+    out.try_reserve(local.len()).map_err(|_| "more vertices than fit")?;
+    for (v, p) in local.iter().enumerate() {
+        let world = single(matrix(v).transform_point3(DVec3::from_array(p.map(f64::from))));
+        if world.iter().any(|c| !c.is_finite()) {
+            return Err("a vertex beyond the range of floats");
+        }
+        out.push(world);
+    }
+    Ok(())
 }
 
 impl Frame {

@@ -36,7 +36,7 @@ fn normals_go_through_the_inverse_transpose() {
     let positions = doc.floats("VEC3", &[0.0; 9]);
     let n = 0.5_f32.sqrt();
     let normals = doc.floats("VEC3", &[n, n, 0.0].repeat(3));
-    let mesh = doc.mesh(json!({ "attributes": { "POSITION": positions, "NORMAL": normals } }));
+    let mesh = doc.mesh(&json!({ "attributes": { "POSITION": positions, "NORMAL": normals } }));
     doc.node(json!({ "mesh": mesh, "scale": [2, 1, 1] }));
     let rest = doc.rest().unwrap();
     let length = 1.25_f32.sqrt();
@@ -164,7 +164,7 @@ fn all_modes_give_their_triangles() {
             );
             let primitive =
                 json!({ "attributes": { "POSITION": positions }, "indices": indices, "mode": mode });
-            let mesh = doc.mesh(primitive);
+            let mesh = doc.mesh(&primitive);
             doc.node(json!({ "mesh": mesh }));
             let rest = doc.rest().unwrap();
             assert_eq!(rest.parts[0].mode, *kind);

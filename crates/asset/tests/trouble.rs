@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 use wirework_asset::{Gltf, Limits};
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod make;
 use make::triangle;
 
@@ -60,7 +61,7 @@ fn leaves(value: &Value, at: &str, out: &mut Vec<String>) {
     match value {
         Value::Object(map) => map.iter().for_each(|(key, value)| leaves(value, &format!("{at}/{key}"), out)),
         Value::Array(list) => {
-            list.iter().enumerate().for_each(|(k, value)| leaves(value, &format!("{at}/{k}"), out))
+            list.iter().enumerate().for_each(|(k, value)| leaves(value, &format!("{at}/{k}"), out));
         }
         _ => {}
     }

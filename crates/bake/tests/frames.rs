@@ -6,6 +6,7 @@ use glam::DVec3;
 use wirework_asset::{Clip, Format, Gltf, Limits, Rest, write_files};
 use wirework_bake::{BakeError, Baker, Settings};
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod common;
 use common::{ASSETS, PHASES, baked, bump, instances, shared};
 

@@ -14,9 +14,9 @@ use crate::frame::Frame;
 use crate::kernel::{Displacements, displace};
 use crate::runs::{Runs, StoredFoot, find_feet};
 use crate::spans::Spans;
-use crate::tiles::{TILE, Tile, Tiles, ball};
+use crate::tiles::{TILE, Tile, Tiles};
 use crate::wire::WireError;
-use crate::{Blend, Wire, spans};
+use crate::{Blend, Wire};
 
 /// A wire whose radius grows beyond what its points were bound for is bound anew for so much more, lest a steady growth
 /// bind in every frame.
@@ -101,7 +101,7 @@ impl Binding {
             return Err(BindError::TooManyPoints(points.len()));
         }
         let tiles = Tiles::new(points);
-        let whole = ball(points.iter().map(|p| spans::to_dvec3(*p))).map_or(0.0, |(_, radius)| radius);
+        let whole = tiles.ball().map_or(0.0, |ball| ball.radius);
         let unit = if whole > 0.0 { (-whole.log2().round()).exp2() as f32 } else { 1.0 };
         let mut binding = Self { tiles, wires: Vec::new(), unit };
         for index in 0..wires.len() {

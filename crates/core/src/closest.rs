@@ -11,6 +11,9 @@
 //!
 //! Only local minima are compared, never samples: of feet whose distances differ by less than [`TIE`] the first is
 //! kept, and a tolerance on the distance of a sample would move the foot by the tolerance's square root.
+//!
+//! Pieces are tried nearest first, so that the best distance soon keeps off the others; tried along the curve, points at
+//! some distance from it saw half of its pieces, and binding took twice as long.
 
 use glam::DVec3;
 use pulp::Simd;
@@ -18,6 +21,7 @@ use pulp::Simd;
 use crate::quintic::{self, Bernstein};
 use crate::simd::Doubles;
 use crate::spans::{Cubic, Spans, to_array, to_dvec3};
+use crate::tiles::{Ball, Tile};
 use crate::{Curve, curve};
 
 /// Two feet tie when their distances differ by less than this part of the largest coordinate: rounding the input to
@@ -61,9 +65,8 @@ impl Curve {
         let pieces = Pieces::new(&spans);
         let mut block = Block::new();
         block.push(to_dvec3(point), &pieces);
-        let all: Vec<u32> = (0..pieces.list.len() as u32).collect();
         let mut feet = Feet::new();
-        pieces.search(pulp::Scalar, &block, &all, f64::INFINITY, &mut feet);
+        pieces.search(pulp::Scalar, &block, &pieces.all(), f64::INFINITY, &mut feet);
         let (span, t) = (feet.span[0] as usize, feet.t[0]);
         let u = (span as f64 + t) / spans.cubics.len() as f64;
         let point = to_array(spans.cubics[span].at(t));
@@ -77,8 +80,8 @@ pub(crate) struct Pieces {
     pub(crate) list: Vec<Piece>,
     /// Everything is relative to this, so that a curve far from the origin loses nothing.
     origin: DVec3,
-    /// Centre and radius of a ball about the curve.
-    pub(crate) ball: (DVec3, f64),
+    /// A ball about the curve.
+    pub(crate) ball: Ball,
     /// The largest coordinate, which scales [`TIE`].
     reach: f64,
 }
@@ -132,42 +135,54 @@ impl Pieces {
             piece.last = i + 1 == count && !spans.closed;
         }
         let radius = list.iter().map(Piece::outermost).fold(0.0, f64::max);
-        Self { list, origin, ball: (origin, radius), reach: low.abs().max(high.abs()).max_element() }
+        Self { list, origin, ball: Ball { center: origin, radius }, reach: low.abs().max(high.abs()).max_element() }
     }
 
-    /// The pieces of `among` that may hold the closest point, within `reach`, of a point in the ball.
-    pub(crate) fn cull(&self, center: DVec3, radius: f64, reach: f64, among: &[u32], out: &mut Vec<u32>) {
+    /// The pieces of `among` that may hold the closest point, within `reach`, of a point in the ball, each with a lower
+    /// bound of its distance from such a point; nearest first.
+    pub(crate) fn cull(&self, ball: Ball, reach: f64, among: &[Candidate], out: &mut Vec<Candidate>) {
         out.clear();
-        let center = center - self.origin;
-        let distance = |i: u32| {
-            let piece = &self.list[i as usize];
-            (piece.chord_distance(center), piece.stray)
-        };
-        let bound = among.iter().map(|&i| distance(i)).map(|(d, e)| d + e).fold(f64::INFINITY, f64::min) + radius;
-        let bound = bound.min(reach) * (1.0 + 1e-9);
-        out.extend(among.iter().copied().filter(|&i| {
-            let (d, e) = distance(i);
-            d - e - radius <= bound
-        }));
+        let (center, radius) = (ball.center - self.origin, ball.radius);
+        let mut bound = reach;
+        for candidate in among {
+            let piece = &self.list[candidate.piece as usize];
+            let distance = piece.chord_distance(center);
+            // Each point of the chord has a point of the curve within the stray, and each point of the ball its centre
+            // within the radius.
+            bound = bound.min((distance + piece.stray + radius) * (1.0 + ROUNDING));
+            let lower = (distance - piece.stray - radius) * (1.0 - ROUNDING);
+            out.push(Candidate { lower, piece: candidate.piece });
+        }
+        out.retain(|c| c.lower <= bound);
+        out.sort_unstable_by(|a, b| a.lower.total_cmp(&b.lower).then(a.piece.cmp(&b.piece)));
     }
 
-    /// The closest feet of a block's points on the pieces `candidates` (rising); points farther than `reach` may
-    /// get a worse foot or none.
+    /// All pieces as candidates.
+    pub(crate) fn all(&self) -> Vec<Candidate> {
+        (0..self.list.len() as u32).map(|piece| Candidate { lower: 0.0, piece }).collect()
+    }
+
+    /// The closest feet of a block's points on the pieces `candidates`, nearest first; points farther than `reach`
+    /// may get a worse foot or none.
     #[inline(always)]
     pub(crate) fn search<S: Simd>(
         &self,
         simd: S,
         block: &Block,
-        candidates: &[u32],
+        candidates: &[Candidate],
         reach: f64,
         feet: &mut Feet,
     ) {
         feet.distance = [f64::INFINITY; BLOCK];
+        feet.reach = [reach; BLOCK];
         let mut marks = [0.0; BLOCK];
         let mut lanes = [0_u8; BLOCK];
-        for &i in candidates {
-            let piece = &self.list[i as usize];
-            piece.mark(simd, block, &feet.distance, reach, &mut marks);
+        for candidate in candidates {
+            if !feet.within(candidate.lower, block.count) {
+                break;
+            }
+            let piece = &self.list[candidate.piece as usize];
+            piece.mark(simd, block, &feet.reach, &mut marks);
             let mut count = 0;
             for (lane, &mark) in marks.iter().enumerate().take(block.count) {
                 if mark == SINGLE {
@@ -181,6 +196,17 @@ impl Pieces {
         }
     }
 }
+
+/// A piece that may hold the closest point of some points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate {
+    /// None of the points is nearer to the piece than this.
+    lower: f64,
+    piece: u32,
+}
+
+/// Bounds of distances are widened by this part, more than they can be wrong by rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// One number a point of a block.
 type Row = [f64; BLOCK];
@@ -244,19 +270,22 @@ impl Piece {
         std::array::from_fn(|k| self.a[k] - p.dot(self.b[k]))
     }
 
-    /// What the block's points have on this piece; nothing where it lies beyond the best foot so far or `reach`.
+    /// What the block's points have on this piece; nothing where it lies beyond their `reach`.
     #[inline(always)]
-    fn mark<S: Simd>(&self, simd: S, block: &Block, best: &Row, reach: f64, marks: &mut Row) {
+    fn mark<S: Simd>(&self, simd: S, block: &Block, reach: &Row, marks: &mut Row) {
         let (zero, one) = (Doubles::splat(simd, 0.0), Doubles::splat(simd, 1.0));
         let (before_a, before_b) = self.before.unwrap_or((-1.0, DVec3::ZERO));
-        let reach = Doubles::splat(simd, reach);
         let ends = if self.last { END } else { 0.0 };
+        let stray = Doubles::splat(simd, self.stray);
         for (i, mark) in Doubles::<S>::vectors_mut(marks).iter_mut().enumerate() {
+            *mark = zero.1;
             let p = block.vectors(simd, i);
-            let best = Doubles(simd, Doubles::<S>::vectors(best)[i]);
-            let bound = best.less(reach).select(best, reach);
-            let near = (self.chord_distances(p) - Doubles::splat(simd, self.stray)).at_most(bound);
-
+            let bound = (Doubles(simd, Doubles::<S>::vectors(reach)[i]) + stray)
+                * Doubles::splat(simd, 1.0 + ROUNDING);
+            let near = self.chord_squares(p).at_most(bound * bound);
+            if simd.first_true_m64s(near.1) >= S::F64_LANES {
+                continue;
+            }
             let first = Doubles::splat(simd, self.a[0]) - Doubles::dot(p, self.b[0]);
             let starts_below = first.less(zero);
             let mut below = starts_below;
@@ -278,9 +307,9 @@ impl Piece {
         }
     }
 
-    /// Distances of points from the chord.
+    /// Squared distances of points from the chord.
     #[inline(always)]
-    fn chord_distances<S: Simd>(&self, p: [Doubles<S>; 3]) -> Doubles<S> {
+    fn chord_squares<S: Simd>(&self, p: [Doubles<S>; 3]) -> Doubles<S> {
         let simd = p[0].0;
         let (start, chord, inverse) = self.chord;
         let (zero, one) = (Doubles::splat(simd, 0.0), Doubles::splat(simd, 1.0));
@@ -293,7 +322,7 @@ impl Piece {
         let x = wx - h * Doubles::splat(simd, chord.x);
         let y = wy - h * Doubles::splat(simd, chord.y);
         let z = wz - h * Doubles::splat(simd, chord.z);
-        (x * x + y * y + z * z).sqrt()
+        x * x + y * y + z * z
     }
 
     /// Feet of a point whose mark is more than a single one.
@@ -403,13 +432,24 @@ impl Block {
         Self { x: zero, y: zero, z: zero, tie: zero, count: 0 }
     }
 
-    pub(crate) fn clear(&mut self) {
-        self.count = 0;
+    /// Takes `count` points of a tile, from `start` on.
+    #[inline(always)]
+    pub(crate) fn fill(&mut self, tile: &Tile, start: usize, count: usize, pieces: &Pieces) {
+        self.count = count;
+        let end = start + count;
+        let rows = tile.x[start..end].iter().zip(&tile.y[start..end]).zip(&tile.z[start..end]);
+        let origin = pieces.origin;
+        for (i, ((&x, &y), &z)) in rows.enumerate().take(BLOCK) {
+            let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+            (self.x[i], self.y[i], self.z[i]) = (x - origin.x, y - origin.y, z - origin.z);
+            let largest = x.abs().max(y.abs()).max(z.abs());
+            self.tie[i] = TIE * largest.max(pieces.reach);
+        }
     }
 
     /// Adds a point; at most [`BLOCK`] of them.
     #[inline(always)]
-    pub(crate) fn push(&mut self, p: DVec3, pieces: &Pieces) {
+    fn push(&mut self, p: DVec3, pieces: &Pieces) {
         let i = self.count & (BLOCK - 1);
         let q = p - pieces.origin;
         (self.x[i], self.y[i], self.z[i]) = (q.x, q.y, q.z);
@@ -435,25 +475,37 @@ impl Block {
 
 /// The best feet so far of a block's points.
 pub(crate) struct Feet {
-    pub(crate) distance: [f64; BLOCK],
-    pub(crate) t: [f64; BLOCK],
+    pub(crate) distance: Row,
+    pub(crate) t: Row,
     pub(crate) span: [u32; BLOCK],
+    /// Farther feet are no use: the best distance and a tie, or how far feet are sought.
+    reach: Row,
 }
 
 impl Feet {
     pub(crate) fn new() -> Self {
-        Self { distance: [f64::INFINITY; BLOCK], t: [0.0; BLOCK], span: [0; BLOCK] }
+        let zero = [0.0; BLOCK];
+        Self { distance: [f64::INFINITY; BLOCK], t: zero, span: [0; BLOCK], reach: zero }
     }
 
-    /// Takes the foot at `s` if it is nearer than the best by more than a tie; feet come by rising `u`.
+    /// Whether a foot at `distance` would be of use to any point.
+    #[inline(always)]
+    fn within(&self, distance: f64, count: usize) -> bool {
+        self.reach.iter().take(count).any(|r| distance <= *r)
+    }
+
+    /// Takes the foot at `s` if it is nearer than the best by more than a tie, or ties with it at a smaller parameter.
     #[inline(always)]
     fn offer(&mut self, lane: usize, piece: &Piece, block: &Block, s: f64) {
         let lane = lane & (BLOCK - 1);
         let distance = piece.cubic.at(s).distance(block.at(lane));
-        if distance < self.distance[lane] - block.tie[lane] || self.distance[lane] == f64::INFINITY {
-            self.distance[lane] = distance;
-            self.span[lane] = piece.span;
-            self.t[lane] = piece.t0 + piece.width * s;
+        let (best, tie) = (self.distance[lane], block.tie[lane]);
+        let t = piece.t0 + piece.width * s;
+        let earlier = (piece.span, t) < (self.span[lane], self.t[lane]);
+        if distance < best - tie || (distance <= best + tie && (earlier || best == f64::INFINITY)) {
+            (self.distance[lane], self.span[lane], self.t[lane]) = (distance, piece.span, t);
+            let useful = distance + tie;
+            self.reach[lane] = if useful < self.reach[lane] { useful } else { self.reach[lane] };
         }
     }
 }

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use crate::attributes::{Attribute, value};
 use crate::cells::Cells;
-use crate::closest::{BLOCK, Block, Feet, Pieces};
+use crate::closest::{BLOCK, Block, Candidate, Feet, Pieces};
 use crate::kernel::RunPoints;
-use crate::tiles::{TILE, Tiles, ball};
+use crate::tiles::{Balls, TILE, Tile, Tiles};
 use crate::{Wire, spans::Spans};
 
 /// A point's foot as it is kept: segment, place in it and distance; an infinite distance means no foot in reach.
@@ -121,36 +121,45 @@ pub(crate) type Acts<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 
 /// Counting sort of a tile's feet by cell; within a cell by index.
 fn tile_runs(cells: &Cells, feet: &[StoredFoot], acts: impl Fn(usize) -> bool) -> Runs {
-    let mut bound: Vec<(u32, u16)> = Vec::new();
-    for (i, foot) in feet.iter().enumerate() {
-        if foot.distance.is_finite() && acts(i) {
-            bound.push((cells.find(foot.span, foot.t), i as u16));
-        }
+    let bound: Vec<(u32, u16)> = (0..feet.len())
+        .filter(|&i| feet[i].distance.is_finite() && acts(i))
+        .map(|i| (cells.find(feet[i].span, feet[i].t), i as u16))
+        .collect();
+    let mut starts = vec![0; cells.list.len() + 1];
+    for &(cell, _) in &bound {
+        starts[cell as usize + 1] += 1;
     }
-    bound.sort_unstable();
-    let mut runs = Runs {
-        index: bound.iter().map(|b| b.1).collect(),
-        t: bound.iter().map(|b| feet[b.1 as usize].t).collect(),
-        distance: bound.iter().map(|b| feet[b.1 as usize].distance).collect(),
-        ..Runs::default()
-    };
-    for (i, (cell, _)) in bound.iter().enumerate() {
-        match runs.runs.last_mut() {
-            Some(run) if run.cell == *cell => run.end += 1,
-            _ => runs.runs.push(Run { cell: *cell, start: i as u32, end: i as u32 + 1 }),
+    let mut runs = Runs::default();
+    for cell in 0..cells.list.len() {
+        let (start, end) = (starts[cell], starts[cell] + starts[cell + 1]);
+        if start < end {
+            runs.runs.push(Run { cell: cell as u32, start, end });
         }
+        starts[cell + 1] = end;
     }
+    runs.index.resize(bound.len(), 0);
+    for &(cell, i) in &bound {
+        let next = &mut starts[cell as usize];
+        runs.index[*next as usize] = i;
+        *next += 1;
+    }
+    runs.t = runs.index.iter().map(|&i| feet[i as usize].t).collect();
+    runs.distance = runs.index.iter().map(|&i| feet[i as usize].distance).collect();
     runs
 }
 
 /// The feet of all points within `reach` of the curve.
 pub(crate) fn find_feet(pieces: &Pieces, tiles: &Tiles, reach: f64) -> Vec<StoredFoot> {
     let mut feet = vec![NO_FOOT; tiles.count];
-    let all: Vec<u32> = (0..pieces.list.len() as u32).collect();
-    feet.par_chunks_mut(TILE).enumerate().for_each(|(chunk, out)| {
-        pulp::Arch::new().dispatch(Search { pieces, tiles, all: &all, reach, first: chunk * TILE, out });
+    let all = pieces.all();
+    let tasks = feet.par_chunks_mut(TILE).zip(tiles.searched()).zip(&tiles.balls);
+    tasks.for_each(|((out, tile), balls)| {
+        let Some(ball) = balls.tile else { return };
+        if ball.center.distance(pieces.ball.center) - ball.radius - pieces.ball.radius <= reach {
+            pulp::Arch::new().dispatch(Search { pieces, tile, balls, all: &all, reach, out });
+        }
     });
-    let Some(order) = &tiles.order else { return feet };
+    let Some(order) = tiles.order() else { return feet };
     let mut by_index = vec![NO_FOOT; tiles.count];
     for (foot, &i) in feet.iter().zip(order) {
         by_index[i as usize] = *foot;
@@ -158,13 +167,13 @@ pub(crate) fn find_feet(pieces: &Pieces, tiles: &Tiles, reach: f64) -> Vec<Store
     by_index
 }
 
-/// Searches the points `first ..` in the order of search, as many as `out` holds.
+/// Searches the points of a tile, as many as `out` holds.
 struct Search<'a> {
     pieces: &'a Pieces,
-    tiles: &'a Tiles,
-    all: &'a [u32],
+    tile: &'a Tile,
+    balls: &'a Balls,
+    all: &'a [Candidate],
     reach: f64,
-    first: usize,
     out: &'a mut [StoredFoot],
 }
 
@@ -173,29 +182,20 @@ impl pulp::WithSimd for Search<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let Self { pieces, tiles, all, reach, first, out } = self;
-        let point = |i: usize| tiles.point(tiles.searched(i));
-        let Some((center, radius)) = ball((first..first + out.len()).map(point)) else { return };
-        let (own_center, own_radius) = pieces.ball;
-        if center.distance(own_center) - radius - own_radius > reach {
-            return;
-        }
+        let Self { pieces, tile, balls, all, reach, out } = self;
         let (mut of_tile, mut candidates) = (Vec::new(), Vec::new());
-        pieces.cull(center, radius, reach, all, &mut of_tile);
+        let Some(ball) = balls.tile else { return };
+        pieces.cull(ball, reach, all, &mut of_tile);
         let (mut block, mut feet) = (Block::new(), Feet::new());
-        for (k, out) in out.chunks_mut(BLOCK).enumerate() {
-            let start = first + k * BLOCK;
-            let Some((center, radius)) = ball((start..start + out.len()).map(point)) else { continue };
-            pieces.cull(center, radius, reach, &of_tile, &mut candidates);
+        for ((k, out), ball) in out.chunks_mut(BLOCK).enumerate().zip(balls.blocks) {
+            let Some(ball) = ball else { continue };
+            pieces.cull(ball, reach, &of_tile, &mut candidates);
             if candidates.is_empty() {
                 continue;
             }
-            block.clear();
-            for i in start..start + out.len() {
-                block.push(point(i), pieces);
-            }
+            block.fill(tile, k * BLOCK, out.len(), pieces);
             pieces.search(simd, &block, &candidates, reach, &mut feet);
-            for (i, out) in out.iter_mut().enumerate() {
+            for (i, out) in out.iter_mut().enumerate().take(BLOCK) {
                 if feet.distance[i] < reach {
                     let (t, distance) = (feet.t[i] as f32, feet.distance[i] as f32);
                     *out = StoredFoot { span: feet.span[i], t, distance };

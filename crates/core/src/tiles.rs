@@ -37,12 +37,65 @@ impl Tile {
     }
 }
 
-/// A box's centre and half diagonal; nothing for no finite point.
-pub(crate) fn ball(points: impl Iterator<Item = DVec3>) -> Option<(DVec3, f64)> {
+/// A ball about some points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ball {
+    pub(crate) center: DVec3,
+    pub(crate) radius: f64,
+}
+
+/// The ball about the box of the points that are finite; nothing where none is.
+pub(crate) fn ball(points: impl Iterator<Item = DVec3>) -> Option<Ball> {
     let finite = points.filter(|p| p.is_finite());
     let (low, high) = finite
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-    (low.x <= high.x).then(|| (0.5 * (low + high), 0.5 * (high - low).length()))
+    let radius = 0.5 * (high - low).length();
+    (low.x <= high.x).then(|| Ball { center: 0.5 * (low + high), radius })
+}
+
+/// Least and largest number of a coordinate; an infinity where one is not finite, or none is there.
+#[inline(always)]
+fn range(row: &[f32]) -> (f64, f64) {
+    let (mut low, mut high, mut sum) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8], [0.0; 8]);
+    for eight in row.chunks(8) {
+        for (i, &x) in eight.iter().enumerate() {
+            low[i] = if x < low[i] { x } else { low[i] };
+            high[i] = if x > high[i] { x } else { high[i] };
+            // Zero for finite numbers, NaN for others.
+            sum[i] += x - x;
+        }
+    }
+    if sum.iter().any(|s| *s != 0.0) {
+        return (f64::NEG_INFINITY, f64::INFINITY);
+    }
+    (f64::from(low.into_iter().fold(f32::INFINITY, f32::min)), f64::from(high.into_iter().fold(f32::NEG_INFINITY, f32::max)))
+}
+
+impl Tile {
+    /// The ball about points `start .. end`.
+    fn ball(&self, start: usize, end: usize) -> Option<Ball> {
+        let ((x0, x1), (y0, y1), (z0, z1)) =
+            (range(&self.x[start..end]), range(&self.y[start..end]), range(&self.z[start..end]));
+        let (low, high) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
+        if low.is_finite() && high.is_finite() {
+            return Some(Ball { center: 0.5 * (low + high), radius: 0.5 * (high - low).length() });
+        }
+        ball((start..end).map(|i| to_dvec3(self.point(i))))
+    }
+}
+
+/// Where the points of a tile lie.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Balls {
+    pub(crate) tile: Option<Ball>,
+    pub(crate) blocks: [Option<Ball>; TILE / BLOCK],
+}
+
+impl Balls {
+    fn new(tile: &Tile, count: usize) -> Self {
+        let block = |i: usize| tile.ball((i * BLOCK).min(count), ((i + 1) * BLOCK).min(count));
+        Self { tile: tile.ball(0, count), blocks: std::array::from_fn(block) }
+    }
 }
 
 /// All points, and the order in which they are searched.
@@ -50,40 +103,66 @@ pub(crate) fn ball(points: impl Iterator<Item = DVec3>) -> Option<(DVec3, f64)> 
 pub(crate) struct Tiles {
     pub(crate) tiles: Vec<Tile>,
     pub(crate) count: usize,
-    /// A permutation that makes blocks compact, where the points' own order does not.
-    pub(crate) order: Option<Vec<u32>>,
+    /// The points by Morton code and their indices, where their own order is scattered.
+    sorted: Option<(Vec<Tile>, Vec<u32>)>,
+    /// Where the points of each tile lie, in the order of search.
+    pub(crate) balls: Vec<Balls>,
 }
 
 impl Tiles {
     pub(crate) fn new(points: &[[f32; 3]]) -> Self {
-        let tiles = points.par_chunks(TILE).map(Tile::new).collect();
-        let order = scattered(points).then(|| morton_order(points));
-        Self { tiles, count: points.len(), order }
+        let tiles: Vec<Tile> = points.par_chunks(TILE).map(Tile::new).collect();
+        let balls = Self::measure(&tiles, points.len());
+        if !scattered(&balls) {
+            return Self { tiles, count: points.len(), sorted: None, balls };
+        }
+        let order = morton_order(points);
+        let gathered = order.par_chunks(TILE).map(|chunk| {
+            Tile::new(&chunk.iter().map(|&i| points[i as usize]).collect::<Vec<_>>())
+        });
+        let sorted: Vec<Tile> = gathered.collect();
+        let balls = Self::measure(&sorted, points.len());
+        Self { tiles, count: points.len(), sorted: Some((sorted, order)), balls }
     }
 
-    pub(crate) fn point(&self, i: usize) -> DVec3 {
-        to_dvec3(self.tiles[i / TILE].point(i % TILE))
+    fn measure(tiles: &[Tile], count: usize) -> Vec<Balls> {
+        let of_tile = |(i, tile): (usize, &Tile)| Balls::new(tile, (count - i * TILE).min(TILE));
+        tiles.par_iter().enumerate().map(of_tile).collect()
     }
 
-    /// The index of the `i`-th point in the order of search.
-    #[inline(always)]
-    pub(crate) fn searched(&self, i: usize) -> usize {
-        self.order.as_ref().map_or(i, |order| order[i] as usize)
+    /// The tiles in the order of search.
+    pub(crate) fn searched(&self) -> &[Tile] {
+        self.sorted.as_ref().map_or(&self.tiles, |(tiles, _)| tiles)
+    }
+
+    /// The index of each point in the order of search, where that is not the points' own.
+    pub(crate) fn order(&self) -> Option<&[u32]> {
+        self.sorted.as_ref().map(|(_, order)| order.as_slice())
+    }
+
+    /// A ball about all points.
+    pub(crate) fn ball(&self) -> Option<Ball> {
+        hull(self.balls.iter().filter_map(|b| b.tile))
     }
 }
 
-fn scattered(points: &[[f32; 3]]) -> bool {
-    let Some((_, whole)) = ball(points.iter().map(|p| to_dvec3(*p))) else { return false };
-    let blocks = points.len().div_ceil(BLOCK);
-    let radii = points.chunks(BLOCK).filter_map(|c| ball(c.iter().map(|p| to_dvec3(*p))));
-    let mean = radii.map(|(_, r)| r).sum::<f64>() / blocks as f64;
+/// The ball about the box of some balls.
+fn hull(balls: impl Iterator<Item = Ball>) -> Option<Ball> {
+    ball(balls.flat_map(|b| [b.center - b.radius, b.center + b.radius]))
+}
+
+fn scattered(balls: &[Balls]) -> bool {
+    let blocks = || balls.iter().flat_map(|b| b.blocks).flatten();
+    let Some(whole) = hull(blocks()) else { return false };
+    let count = blocks().count() as f64;
+    let mean = blocks().map(|b| b.radius).sum::<f64>() / count;
     // Points of a surface: a block covers its share of the area.
-    mean > SCATTERED * whole / (blocks as f64).sqrt()
+    mean > SCATTERED * whole.radius / count.sqrt()
 }
 
 /// Indices by the Morton code of their points (Morton 1966), equal codes by index.
 fn morton_order(points: &[[f32; 3]]) -> Vec<u32> {
-    let (center, radius) = ball(points.iter().map(|p| to_dvec3(*p))).unwrap_or_default();
+    let Some(Ball { center, radius }) = ball(points.iter().map(|p| to_dvec3(*p))) else { return Vec::new() };
     let scale = if radius > 0.0 { 1023.0 / (2.0 * radius) } else { 0.0 };
     let code = |p: &[f32; 3]| {
         let q = ((to_dvec3(*p) - center + radius) * scale).clamp(DVec3::ZERO, DVec3::splat(1023.0));
@@ -111,14 +190,28 @@ mod tests {
     }
 
     #[test]
+    fn a_ball_holds_its_points() {
+        let points = grid(50);
+        for (tile, balls) in Tiles::new(&points).tiles.iter().zip(&Tiles::new(&points).balls) {
+            for (i, ball) in balls.blocks.iter().enumerate() {
+                let Some(ball) = ball else { continue };
+                let inside = |k: usize| to_dvec3(tile.point(k)).distance(ball.center) <= ball.radius + 1e-9;
+                assert!((i * BLOCK..(i + 1) * BLOCK).all(|k| k >= points.len() % TILE || inside(k)));
+            }
+        }
+    }
+
+    #[test]
     fn rows_of_a_grid_are_not_scattered_and_shuffled_points_are() {
         let rows = grid(300);
-        assert!(Tiles::new(&rows).order.is_none());
+        assert!(Tiles::new(&rows).order().is_none());
         let shuffled: Vec<_> = (0..rows.len()).map(|i| rows[i * 7919 % rows.len()]).collect();
         let tiles = Tiles::new(&shuffled);
-        let mut order = tiles.order.clone().unwrap();
-        let blocks = order.chunks(BLOCK).map(|b| ball(b.iter().map(|&i| tiles.point(i as usize))).unwrap().1);
-        assert!(blocks.sum::<f64>() / (rows.len() as f64 / BLOCK as f64) < 20.0);
+        let mut order = tiles.order().unwrap().to_vec();
+        let blocks: Vec<Ball> = tiles.balls.iter().flat_map(|b| b.blocks).flatten().collect();
+        assert!(blocks.iter().map(|b| b.radius).sum::<f64>() / (blocks.len() as f64) < 20.0);
+        let first = tiles.searched()[0].point(5);
+        assert_eq!(first, shuffled[order[5] as usize]);
         order.sort_unstable();
         assert!(order.into_iter().eq(0..rows.len() as u32));
     }
@@ -127,8 +220,8 @@ mod tests {
     fn points_that_are_nowhere_do_not_disturb_the_others() {
         let mut points = grid(40);
         points[3] = [f32::NAN, 0.0, f32::INFINITY];
-        assert!(ball(points.iter().map(|p| to_dvec3(*p))).unwrap().1.is_finite());
         let tiles = Tiles::new(&points);
+        assert!(tiles.ball().unwrap().radius < 100.0 && tiles.balls[0].blocks[0].unwrap().radius < 100.0);
         assert_eq!(tiles.tiles[0].point(2), [2.0, 0.0, 0.0]);
     }
 }

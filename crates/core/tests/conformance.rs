@@ -3,8 +3,9 @@
 //!
 //! `WIREWORK_RIGS=5000` widens the search.
 
+use std::cell::OnceCell;
 use wirework_core::{Binding, Blend, Wire};
-use wirework_reference::{Random, Rig, Scene, unsteadiness};
+use wirework_reference::{Doubt, Random, Rig, Scene};
 
 /// The contract: errors in parts of the scene's diagonal.
 const TOLERANCE: f64 = 2e-5;
@@ -38,6 +39,7 @@ fn apart(a: [f32; 3], b: [f64; 3]) -> f64 {
 fn compare(seed: u64, rig: &Rig) -> (usize, f64) {
     let scene = Scene::new(&rig.wires, &rig.blend);
     let diagonal = rig.diagonal();
+    let doubt = OnceCell::new();
     let mut left_out = 0;
     let mut worst: f64 = 0.0;
     for (&p, &found) in rig.points.iter().zip(&deform(&rig.wires, &rig.blend, &rig.points)) {
@@ -47,7 +49,8 @@ fn compare(seed: u64, rig: &Rig) -> (usize, f64) {
             worst = worst.max(error);
             continue;
         }
-        let moves = unsteadiness(&rig.wires, &rig.blend, p, INPUT_ROUNDING) / diagonal;
+        let doubt = doubt.get_or_init(|| Doubt::new(&rig.wires, &rig.blend, INPUT_ROUNDING));
+        let moves = doubt.of(p) / diagonal;
         assert!(
             moves > 0.25 * TOLERANCE,
             "seed {seed}: {p:?} went to {found:?}, not {exact:?}: off by {error:e} of the diagonal, where rounding \

@@ -1,8 +1,9 @@
 //! What every rig obeys, whatever its numbers: [SF98] §2's list of properties, §4's requirements, symmetry.
 
 use glam::{DQuat, DVec3};
+use std::cell::OnceCell;
 use wirework_core::{Bend, Binding, Blend, Correspondence, Curve, CurveKind, Wire};
-use wirework_reference::{Random, Rig, influence, point, unsteadiness};
+use wirework_reference::{Doubt, Random, Rig, influence, point};
 
 fn deform(wires: &[Wire], blend: &Blend, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut out = vec![[0.0; 3]; points.len()];
@@ -39,11 +40,12 @@ fn commutes(seed: u64, rig: &Rig, map: impl Fn(DVec3) -> DVec3, factor: f32, tol
     let other = mapped(rig, &map, factor);
     let before = deform(&other.wires, &other.blend, &other.points);
     let diagonal = other.diagonal();
-    let mut left_out = 0;
+    let (doubt, mut left_out) = (OnceCell::new(), 0);
     for (i, (&a, &b)) in after.iter().zip(&before).enumerate() {
         let error = map(wide(a)).distance(wide(b)) / diagonal;
         if error > tolerance {
-            let moves = unsteadiness(&other.wires, &other.blend, other.points[i], 4e-7) / diagonal;
+            let doubt = doubt.get_or_init(|| Doubt::new(&other.wires, &other.blend, 4e-7));
+            let moves = doubt.of(other.points[i]) / diagonal;
             assert!(
                 moves > 0.25 * tolerance,
                 "seed {seed}, {:?}: off by {error:e}, {:#?}",
@@ -111,12 +113,13 @@ fn points_on_the_reference_track_the_wire() {
         let points: Vec<[f32; 3]> = on.iter().map(|p| p.as_vec3().to_array()).collect();
         let rig = Rig { wires: vec![wire.clone()], blend: Blend::default(), points: points.clone() };
         let diagonal = rig.diagonal();
+        let doubt = Doubt::new(&rig.wires, &rig.blend, 1.2e-7);
         for (&p, &q) in points.iter().zip(&deform(&rig.wires, &rig.blend, &points)) {
             // Where the curve meets itself, or stands nearly still, its foot is not its own.
             let foot = wirework_reference::closest(&wire.reference, p.map(f64::from));
             let target = DVec3::from_array(point(&pose, foot.u));
             let error = wide(q).distance(target);
-            let steady = unsteadiness(&rig.wires, &rig.blend, p, 1.2e-7) < 1e-5 * diagonal;
+            let steady = doubt.of(p) < 1e-5 * diagonal;
             let linear = f64::from(wire.density == wirework_core::Density::Linear) * 1e-6;
             assert!(
                 !steady || error < (4e-6 + linear) * diagonal,
@@ -167,11 +170,12 @@ fn a_wire_cut_in_two_in_one_group_deforms_as_one() {
         let halves = vec![wire(&rests[0], &poses[0]), wire(&rests[1], &poses[1])];
         let points: Vec<[f32; 3]> = (0..200).map(|_| random.vector(1.2).map(|c| c as f32)).collect();
         let blend = Blend::default();
-        let mut left_out = 0;
+        let (doubt, mut left_out) = (OnceCell::new(), 0);
         let both = deform(&whole, &blend, &points).into_iter().zip(deform(&halves, &blend, &points));
         for (&p, (a, b)) in points.iter().zip(both) {
             if wide(a).distance(wide(b)) > 4e-6 {
-                assert!(unsteadiness(&whole, &blend, p, 2.4e-7) > 1e-6, "case {case}, {p:?}: {a:?} or {b:?}");
+                let doubt = doubt.get_or_init(|| Doubt::new(&whole, &blend, 2.4e-7));
+                assert!(doubt.of(p) > 1e-6, "case {case}, {p:?}: {a:?} or {b:?}");
                 left_out += 1;
             }
         }

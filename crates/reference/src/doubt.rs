@@ -16,30 +16,54 @@ use wirework_core::{Blend, Wire};
 /// # Panics
 /// When a wire's pose is not one of its reference.
 pub fn unsteadiness(wires: &[Wire], blend: &Blend, point: [f32; 3], part: f64) -> f64 {
-    let scene = Scene::new(wires, blend);
-    let p = wide(point);
-    let answer = scene.deform_wide(p) - p;
-    let curves = wires.iter().flat_map(|wire| wire.reference.points().iter().chain(&wire.pose));
-    let extent = curves.map(|&c| wide(c).abs().max_element()).fold(p.abs().max_element(), f64::max);
-    let mut noise = Noise(Random::new(0x5EED));
-    let mut worst: f64 = 0.0;
-    let mut look = |scene: &Scene, shift: DVec3| {
-        let moved = scene.deform_wide(p + shift) - (p + shift);
-        worst = worst.max(moved.distance(answer));
-    };
-    for _ in 0..POINT_SHIFTS {
-        look(&scene, noise.vector() * (part * extent));
-    }
-    for _ in 0..CURVE_SHIFTS {
-        let wires: Vec<Wire> = wires.iter().map(|wire| noise.disturb(wire, part * extent)).collect();
-        let shifted = Scene::new(&wires, blend);
-        look(&shifted, DVec3::ZERO);
-        look(&shifted, noise.vector() * (part * extent));
-    }
-    worst
+    Doubt::new(wires, blend, part).of(point)
 }
 
-const POINT_SHIFTS: usize = 24;
+/// A scene and some disturbances of it, ready for many points.
+#[derive(Clone, Debug)]
+pub struct Doubt {
+    scene: Scene,
+    disturbed: Vec<Scene>,
+    part: f64,
+    extent: f64,
+}
+
+impl Doubt {
+    /// # Panics
+    /// When a wire's pose is not one of its reference.
+    pub fn new(wires: &[Wire], blend: &Blend, part: f64) -> Self {
+        let curves = wires.iter().flat_map(|wire| wire.reference.points().iter().chain(&wire.pose));
+        let extent = curves.map(|&c| wide(c).abs().max_element()).fold(0.0, f64::max);
+        let mut noise = Noise(Random::new(0x5EED));
+        let disturbed = (0..CURVE_SHIFTS).map(|_| {
+            let wires: Vec<Wire> = wires.iter().map(|wire| noise.disturb(wire, part * extent)).collect();
+            Scene::new(&wires, blend)
+        });
+        Self { disturbed: disturbed.collect(), scene: Scene::new(wires, blend), part, extent }
+    }
+
+    /// How far the answer at a point moves at most.
+    pub fn of(&self, point: [f32; 3]) -> f64 {
+        let p = wide(point);
+        let step = self.part * self.extent.max(p.abs().max_element());
+        let answer = self.scene.deform_wide(p) - p;
+        let mut noise = Noise(Random::new(0x5EED));
+        let moves = |scene: &Scene, shift: DVec3| {
+            let moved = scene.deform_wide(p + shift) - (p + shift);
+            moved.distance(answer)
+        };
+        let mut worst: f64 = 0.0;
+        for _ in 0..POINT_SHIFTS {
+            worst = worst.max(moves(&self.scene, noise.vector() * step));
+        }
+        for scene in &self.disturbed {
+            worst = worst.max(moves(scene, DVec3::ZERO)).max(moves(scene, noise.vector() * step));
+        }
+        worst
+    }
+}
+
+const POINT_SHIFTS: usize = 16;
 const CURVE_SHIFTS: usize = 8;
 
 /// Random disturbances, the same every time.

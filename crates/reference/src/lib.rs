@@ -44,7 +44,7 @@ mod wire;
 
 pub use blend::{Scene, deform};
 pub use curve::{derivative, point, segment_count, tangent};
-pub use doubt::unsteadiness;
+pub use doubt::{Doubt, unsteadiness};
 pub use foot::{Foot, TIE, closest};
 pub use length::{at_length, length};
 pub use random::Random;

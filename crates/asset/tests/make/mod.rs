@@ -1,7 +1,5 @@
 //! Small documents made by hand.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
 use serde_json::{Value, json};
 use wirework_asset::{AssetError, Gltf, Limits, Rest};
 
@@ -49,7 +47,7 @@ impl Doc {
         self.accessor(json!({ "componentType": 5126, "type": kind, "count": values.len() / lanes }), &bytes)
     }
 
-    pub(crate) fn mesh(&mut self, primitive: Value) -> usize {
+    pub(crate) fn mesh(&mut self, primitive: &Value) -> usize {
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
@@ -91,7 +89,7 @@ pub(crate) fn triangle(mut node: Value) -> Doc {
     let mut doc = Doc::new();
     let positions = doc.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let normals = doc.floats("VEC3", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
-    node["mesh"] = json!(doc.mesh(json!({ "attributes": { "POSITION": positions, "NORMAL": normals } })));
+    node["mesh"] = json!(doc.mesh(&json!({ "attributes": { "POSITION": positions, "NORMAL": normals } })));
     doc.node(node);
     doc
 }

@@ -1,8 +1,6 @@
 //! Another evaluation of a GLB, with the `gltf` crate's reader and plain matrices: where each vertex of the default
 //! scene is when the weights of one clip are played.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
 use glam::{DMat4, DVec3, DVec4};
 
 /// One primitive as one node shows it.

@@ -1,7 +1,5 @@
 //! What the tests bake: real files and a small scene, and a motion.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;

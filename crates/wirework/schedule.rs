@@ -1,0 +1,170 @@
+//! Which moments of an effect are worked out.
+
+use std::ops::Range;
+
+use thiserror::Error;
+
+/// Products of a duration and a frame rate this close to a whole number are that number: 0.7 s at 30 frames a second
+/// are 21 frames, not 20.999999999999996. Relative, well above the rounding of f64 and below any frame.
+const WHOLE: f64 = 1e-9;
+
+/// What is asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum When {
+    /// All frames of an effect that moves, else a still.
+    #[default]
+    All,
+    /// Frames by number, half open.
+    Frames(Range<u32>),
+    /// A still at a time in seconds.
+    At(f64),
+}
+
+/// The moments to work out; never empty.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Schedule {
+    /// One moment, in seconds.
+    Still(f64),
+    /// Frames by number, half open; frame `k` is at `k / fps` seconds.
+    Frames {
+        /// Which frames.
+        frames: Range<u32>,
+        /// Frames a second.
+        fps: f64,
+    },
+}
+
+/// Why there is no schedule.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ScheduleError {
+    /// The frame rate is not positive and finite.
+    #[error("the frame rate must be a positive number, not {0}")]
+    FrameRate(f64),
+    /// The time of the still is not finite.
+    #[error("the time of a still must be a finite number of seconds, not {0}")]
+    Time(f64),
+    /// A range without frames.
+    #[error("the range {}..{} holds no frames", .0.start, .0.end)]
+    Empty(Range<u32>),
+    /// Two frames would be at the same time: files keep times as 32-bit floats.
+    #[error("at {fps} frames a second, frame {frame} and the one before it fall on the same time")]
+    Dense {
+        /// Frames a second.
+        fps: f64,
+        /// The last frame.
+        frame: u32,
+    },
+    /// More frames than allowed.
+    #[error("{frames} frames are more than the {limit} that are allowed (--max-frames raises it)")]
+    TooMany {
+        /// How many there are.
+        frames: f64,
+        /// How many may be.
+        limit: u32,
+    },
+}
+
+/// The moments of an effect of `duration` seconds: frame `k` at `k / fps` seconds, the last one ⌈duration · fps⌉.
+///
+/// ```
+/// use wirework::{Schedule, When, schedule};
+///
+/// assert_eq!(schedule(&When::All, 1.5, true, 24.0, 1000)?, Schedule::Frames { frames: 0..37, fps: 24.0 });
+/// assert_eq!(schedule(&When::All, 1.5, false, 24.0, 1000)?, Schedule::Still(0.0));
+/// # Ok::<(), wirework::ScheduleError>(())
+/// ```
+pub fn schedule(
+    when: &When,
+    duration: f64,
+    animated: bool,
+    fps: f64,
+    max_frames: u32,
+) -> Result<Schedule, ScheduleError> {
+    if !(fps > 0.0 && fps.is_finite()) {
+        return Err(ScheduleError::FrameRate(fps));
+    }
+    let frames = match when {
+        When::At(seconds) if seconds.is_finite() => return Ok(Schedule::Still(*seconds)),
+        When::At(seconds) => return Err(ScheduleError::Time(*seconds)),
+        When::All if !animated => return Ok(Schedule::Still(0.0)),
+        When::All => {
+            let last = last_frame(duration, fps);
+            if last >= f64::from(max_frames) {
+                return Err(ScheduleError::TooMany { frames: last + 1.0, limit: max_frames });
+            }
+            0..last as u32 + 1
+        }
+        When::Frames(frames) => frames.clone(),
+    };
+    let count = frames.end.saturating_sub(frames.start);
+    if count == 0 {
+        return Err(ScheduleError::Empty(frames));
+    }
+    if count > max_frames {
+        return Err(ScheduleError::TooMany { frames: f64::from(count), limit: max_frames });
+    }
+    let time = |frame: u32| (f64::from(frame) / fps) as f32;
+    let last = frames.end - 1;
+    if !time(last).is_finite() || (last > frames.start && time(last - 1) == time(last)) {
+        return Err(ScheduleError::Dense { fps, frame: last });
+    }
+    Ok(Schedule::Frames { frames, fps })
+}
+
+fn last_frame(duration: f64, fps: f64) -> f64 {
+    let exact = (duration * fps).max(0.0);
+    let whole = exact.round();
+    if (exact - whole).abs() <= WHOLE * whole { whole } else { exact.ceil() }
+}
+
+impl Schedule {
+    /// How many moments there are.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Still(_) => 1,
+            Self::Frames { frames, .. } => frames.len(),
+        }
+    }
+
+    /// The moments in their order: the number of the frame (0 for a still), and its time in seconds.
+    pub fn moments(&self) -> impl Iterator<Item = (u32, f64)> + use<> {
+        let (frames, fps, offset) = match self {
+            Self::Still(seconds) => (0..1, 1.0, *seconds),
+            Self::Frames { frames, fps } => (frames.clone(), *fps, 0.0),
+        };
+        frames.map(move |frame| (frame, f64::from(frame) / fps + offset))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_frame_is_the_first_at_or_after_the_end() {
+        let count = |duration, fps| schedule(&When::All, duration, true, fps, 10_000).unwrap().count();
+        assert_eq!(count(3.0, 24.0), 73);
+        assert_eq!(count(1.01, 24.0), 26);
+        assert_eq!(0.7 * 30.0, 20.999_999_999_999_996);
+        assert_eq!(count(0.7, 30.0), 22);
+        assert!(1.1 * 30.0 > 33.0);
+        assert_eq!(count(1.1, 30.0), 34);
+        assert_eq!(count(1e-6, 24.0), 2);
+    }
+
+    #[test]
+    fn frames_and_stills() {
+        let schedule = |when, fps| schedule(&when, 2.0, true, fps, 100);
+        let some = schedule(When::Frames(5..7), 10.0).unwrap();
+        assert_eq!(some.moments().collect::<Vec<_>>(), [(5, 0.5), (6, 0.6)]);
+        assert_eq!(schedule(When::At(1.5), 10.0).unwrap().moments().collect::<Vec<_>>(), [(0, 1.5)]);
+        assert!(matches!(schedule(When::Frames(5..5), 10.0), Err(ScheduleError::Empty(_))));
+        assert!(matches!(schedule(When::All, 0.0), Err(ScheduleError::FrameRate(_))));
+        assert!(matches!(schedule(When::All, 1e9), Err(ScheduleError::TooMany { .. })));
+        assert!(matches!(schedule(When::Frames(0..101), 1.0), Err(ScheduleError::TooMany { .. })));
+        assert!(matches!(schedule(When::At(f64::NAN), 1.0), Err(ScheduleError::Time(_))));
+        let far = When::Frames(4_000_000_000..4_000_000_002);
+        assert!(matches!(schedule(far, 24.0), Err(ScheduleError::Dense { .. })));
+    }
+}
