@@ -108,7 +108,11 @@ fn inverse_in(cubic: &Cubic, target: f64, whole: f64) -> f64 {
         if error.abs() <= 1e-13 * whole {
             break;
         }
-        if error > 0.0 { high = t } else { low = t }
+        if error > 0.0 {
+            high = t;
+        } else {
+            low = t;
+        }
         let speed = cubic.derivative(t).length();
         let newton = t - error / speed;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };

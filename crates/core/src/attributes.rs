@@ -124,7 +124,10 @@ mod tests {
 
     #[test]
     fn between_locators_linear_beyond_them_constant() {
-        let w = wire(false, vec![scale_at(0.2, 1.0), Locator { u: 0.5, ..Locator::default() }, scale_at(0.6, 3.0)]);
+        let w = wire(
+            false,
+            vec![scale_at(0.2, 1.0), Locator { u: 0.5, ..Locator::default() }, scale_at(0.6, 3.0)],
+        );
         let at = |u| value(&w, Attribute::Scale, u);
         for (u, s) in [(0.0, 1.0), (0.2, 1.0), (0.4, 2.0), (0.5, 2.5), (0.6, 3.0), (1.0, 3.0)] {
             assert!((at(u) - s).abs() < 1e-6, "{u}: {} is not {s}", at(u));

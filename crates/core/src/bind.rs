@@ -149,13 +149,22 @@ impl Binding {
         let (bound, unit) = (&self.wires, self.unit);
         let work = |(index, (tile, out)): (usize, (&Tile, &mut [[f32; 3]]))| {
             SCRATCH.with_borrow_mut(|scratch| {
-                pulp::Arch::new().dispatch(DeformTile { bound, wires, blend, unit, index, tile, scratch, out });
+                pulp::Arch::new().dispatch(DeformTile {
+                    bound,
+                    wires,
+                    blend,
+                    unit,
+                    index,
+                    tile,
+                    scratch,
+                    out,
+                });
             });
         };
         if rayon::current_num_threads() == 1 {
-            self.tiles.tiles.iter().zip(out.chunks_mut(TILE)).enumerate().for_each(work);
+            self.tiles.list.iter().zip(out.chunks_mut(TILE)).enumerate().for_each(work);
         } else {
-            self.tiles.tiles.par_iter().zip(out.par_chunks_mut(TILE)).enumerate().for_each(work);
+            self.tiles.list.par_iter().zip(out.par_chunks_mut(TILE)).enumerate().for_each(work);
         }
         Ok(())
     }
@@ -192,7 +201,8 @@ impl Binding {
     fn sort_runs(&mut self, index: usize) {
         let bound = &self.wires[index];
         let group = bound.wire.group;
-        let rivals = |&(other, w): &(usize, &BoundWire)| other != index && group.is_some() && w.wire.group == group;
+        let rivals =
+            |&(other, w): &(usize, &BoundWire)| other != index && group.is_some() && w.wire.group == group;
         let rivals: Vec<(usize, &BoundWire)> = self.wires.iter().enumerate().filter(rivals).collect();
         let acts = |i: usize| {
             let own = bound.feet[i].distance;

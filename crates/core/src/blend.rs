@@ -49,9 +49,10 @@ fn add<S: Simd>(row: &mut Row, i: usize, x: Floats<S>) {
 
 #[inline(always)]
 fn add3<S: Simd>(rows: &mut [Row; 3], i: usize, x: Vectors<S>) {
-    for axis in 0..3 {
-        add(&mut rows[axis], i, x.0[axis]);
-    }
+    let [rx, ry, rz] = rows;
+    add(rx, i, x.0[0]);
+    add(ry, i, x.0[1]);
+    add(rz, i, x.0[2]);
 }
 
 impl Displacements {

@@ -10,16 +10,9 @@ use crate::{Locator, Wire};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Cell {
     /// The part of segment `span` from `t0` to the next cell; `inside` is a parameter `u` strictly within.
-    Stretch {
-        span: usize,
-        t0: f64,
-        inside: f64,
-    },
+    Stretch { span: usize, t0: f64, inside: f64 },
     /// The joint before segment `joint`.
-    Joint {
-        joint: usize,
-        u: f64,
-    },
+    Joint { joint: usize, u: f64 },
 }
 
 /// All cells of a wire: the stretches by rising parameter, then the joints.
@@ -85,7 +78,8 @@ mod tests {
         wire.locators = [0.0, 0.25, 0.25, 0.5].map(|u| Locator { u, ..Locator::default() }).to_vec();
         let cells = Cells::new(&wire, &Spans::new(&wire.reference));
         assert_eq!(cells.list.len(), 3 + 3);
-        let kinds = [(0, 0.0), (0, 0.4), (0, 0.5), (0, 0.9), (1, 0.3), (1, 1.0)].map(|(s, t)| cells.find(s, t));
+        let kinds =
+            [(0, 0.0), (0, 0.4), (0, 0.5), (0, 0.9), (1, 0.3), (1, 1.0)].map(|(s, t)| cells.find(s, t));
         assert_eq!(kinds, [0, 0, 1, 1, 2, 2]);
         assert_eq!(cells.find(0, 1.0), cells.find(1, 0.0));
         assert_eq!(cells.list[cells.find(1, 0.0) as usize], Cell::Joint { joint: 1, u: 0.5 });

@@ -124,7 +124,13 @@ fn whole(x: f64, spans: &Spans) -> usize {
 
 /// The unit tangent at a place of `W`, the mean of both sides near a joint.
 pub(crate) fn tangent_near_joint(w: &Spans, span: usize, t: f64) -> DVec3 {
-    let t = if t < JOINT { 0.0 } else if t > 1.0 - JOINT { 1.0 } else { t };
+    let t = if t < JOINT {
+        0.0
+    } else if t > 1.0 - JOINT {
+        1.0
+    } else {
+        t
+    };
     w.tangent_in(span, t)
 }
 
@@ -287,9 +293,8 @@ fn slope(node: impl Fn(usize) -> DVec3, n: usize, i: usize) -> DVec3 {
     let sum = |weights: [f64; 5], first: usize| -> DVec3 {
         weights.iter().enumerate().map(|(k, w)| *w * node(first + k)).sum()
     };
-    let mirrored = |weights: [f64; 5]| -> DVec3 {
-        weights.iter().enumerate().map(|(k, w)| -*w * node(n - k)).sum()
-    };
+    let mirrored =
+        |weights: [f64; 5]| -> DVec3 { weights.iter().enumerate().map(|(k, w)| -*w * node(n - k)).sum() };
     match (i, n - i) {
         (0, _) => sum(FIRST, 0),
         (1, _) => sum(SECOND, 0),

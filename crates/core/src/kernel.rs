@@ -147,10 +147,8 @@ impl Chunk {
 
     fn look_up(&mut self, count: usize, turn: impl Fn(f32) -> [f32; 3]) {
         for i in 0..count {
-            let vector = turn(self.t[i]);
-            for axis in 0..3 {
-                self.turn[axis][i] = vector[axis];
-            }
+            let [x, y, z] = turn(self.t[i]);
+            (self.turn[0][i], self.turn[1][i], self.turn[2][i]) = (x, y, z);
         }
     }
 

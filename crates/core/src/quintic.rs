@@ -59,9 +59,8 @@ pub(crate) fn rising_roots(c: &Bernstein, found: &mut impl FnMut(f64)) {
 fn isolate(c: &Bernstein, s0: f64, width: f64, depth: u32, found: &mut impl FnMut(f64)) {
     let rises = c[0] < 0.0 && c[5] >= 0.0;
     match sign_changes(c) {
-        0 => {}
         1 if rises => found(s0 + width * single_root(c)),
-        1 => {}
+        0 | 1 => {}
         _ if depth == 0 => {
             if rises {
                 found(s0 + 0.5 * width);
@@ -94,7 +93,11 @@ pub(crate) fn single_root(c: &Bernstein) -> f64 {
     let mut s = c[0] / (c[0] - c[5]);
     for _ in 0..100 {
         let (value, slope) = value_and_slope(c, s);
-        if value < 0.0 { low = s } else { high = s }
+        if value < 0.0 {
+            low = s;
+        } else {
+            high = s;
+        }
         let newton = s - value / slope;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         if (next - s).abs() <= STEP {

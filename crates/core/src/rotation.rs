@@ -93,7 +93,8 @@ pub(crate) struct Traveller<'a> {
 impl<'a> Traveller<'a> {
     /// Starts at `u = 0`; where the curve stands still there, with the first direction it takes.
     pub(crate) fn new(spans: &'a Spans) -> Self {
-        let moving = |c: &Cubic| [0.0, 1e-3, 0.5].map(|t| c.tangent(t)).into_iter().find(|t| *t != DVec3::ZERO);
+        let moving =
+            |c: &Cubic| [0.0, 1e-3, 0.5].map(|t| c.tangent(t)).into_iter().find(|t| *t != DVec3::ZERO);
         let start = Some(spans.joint_tangent(0)).filter(|t| *t != DVec3::ZERO);
         let tangent = start.or_else(|| spans.cubics.iter().find_map(moving)).unwrap_or_default();
         Self { spans, place: (0, 0.0), rotation: DQuat::IDENTITY, tangent }
@@ -168,7 +169,8 @@ mod tests {
 
     #[test]
     fn transport_in_a_plane_turns_about_its_normal_and_in_space_converges() {
-        let plane = Curve::bspline(3, vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
+        let plane =
+            Curve::bspline(3, vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
         let spans = Spans::new(&plane);
         let q = transport(&spans.cubics[0], 0.0, 1.0);
         assert!((q * DVec3::Z).distance(DVec3::Z) < 1e-12);
@@ -187,7 +189,8 @@ mod tests {
 
     #[test]
     fn a_traveller_passes_corners_and_standstills() {
-        let corner = Curve::polyline(vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]).unwrap();
+        let corner =
+            Curve::polyline(vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]).unwrap();
         let spans = Spans::new(&corner);
         let mut traveller = Traveller::new(&spans);
         traveller.travel(2, 0.5);

@@ -6,8 +6,9 @@
 use rayon::prelude::*;
 
 use crate::attributes::{Attribute, value};
-use crate::cells::Cells;
-use crate::closest::{BLOCK, Block, Candidate, Feet, Pieces};
+use crate::block::{BLOCK, Feet};
+use crate::cells::{Cell, Cells};
+use crate::closest::{Candidate, Pieces};
 use crate::kernel::RunPoints;
 use crate::tiles::{Balls, TILE, Tile, Tiles};
 use crate::{Wire, spans::Spans};
@@ -41,7 +42,7 @@ pub(crate) struct Runs {
     pub(crate) influence: Vec<f32>,
     /// Distance from the foot; cold, read only when radii or the density change.
     distance: Vec<f32>,
-    runs: Vec<Run>,
+    list: Vec<Run>,
     /// The first run of each tile, and the number of runs at the end.
     tiles: Vec<u32>,
 }
@@ -51,7 +52,7 @@ impl Runs {
     #[inline]
     pub(crate) fn of_tile(&self, tile: usize) -> &[Run] {
         match (self.tiles.get(tile), self.tiles.get(tile + 1)) {
-            (Some(&start), Some(&end)) => &self.runs[start as usize..end as usize],
+            (Some(&start), Some(&end)) => &self.list[start as usize..end as usize],
             _ => &[],
         }
     }
@@ -83,13 +84,17 @@ impl Runs {
         };
         for part in parts {
             let offset = all.index.len() as u32;
-            all.tiles.push(all.runs.len() as u32);
-            all.runs.extend(part.runs.iter().map(|r| Run { start: r.start + offset, end: r.end + offset, ..*r }));
+            all.tiles.push(all.list.len() as u32);
+            all.list.extend(part.list.iter().map(|r| Run {
+                start: r.start + offset,
+                end: r.end + offset,
+                ..*r
+            }));
             all.index.extend(part.index);
             all.t.extend(part.t);
             all.distance.extend(part.distance);
         }
-        all.tiles.push(all.runs.len() as u32);
+        all.tiles.push(all.list.len() as u32);
         all.influence.resize(count, 0.0);
         all.measure(wire, spans, cells);
         all
@@ -100,16 +105,13 @@ impl Runs {
         let n = spans.cubics.len() as f64;
         let varies = wire.locators.iter().any(|l| l.radius.is_some());
         let uniform = value(wire, Attribute::Radius, 0.0);
-        for run in &self.runs {
-            let range = run.start as usize..run.end as usize;
-            let span = match cells.list[run.cell as usize] {
-                crate::cells::Cell::Stretch { span, .. } => span as f64,
-                crate::cells::Cell::Joint { joint, .. } => joint as f64,
-            };
-            let joint = matches!(cells.list[run.cell as usize], crate::cells::Cell::Joint { .. });
-            for i in range {
-                let place = if joint { span } else { span + f64::from(self.t[i]) };
-                let radius = if varies { value(wire, Attribute::Radius, place / n) } else { uniform };
+        for run in &self.list {
+            for i in run.start as usize..run.end as usize {
+                let u = match cells.list[run.cell as usize] {
+                    Cell::Stretch { span, .. } => (span as f64 + f64::from(self.t[i])) / n,
+                    Cell::Joint { u, .. } => u,
+                };
+                let radius = if varies { value(wire, Attribute::Radius, u) } else { uniform };
                 self.influence[i] = wire.density.at(f64::from(self.distance[i]) / radius) as f32;
             }
         }
@@ -133,7 +135,7 @@ fn tile_runs(cells: &Cells, feet: &[StoredFoot], acts: impl Fn(usize) -> bool) -
     for cell in 0..cells.list.len() {
         let (start, end) = (starts[cell], starts[cell] + starts[cell + 1]);
         if start < end {
-            runs.runs.push(Run { cell: cell as u32, start, end });
+            runs.list.push(Run { cell: cell as u32, start, end });
         }
         starts[cell + 1] = end;
     }
@@ -186,14 +188,14 @@ impl pulp::WithSimd for Search<'_> {
         let (mut of_tile, mut candidates) = (Vec::new(), Vec::new());
         let Some(ball) = balls.tile else { return };
         pieces.cull(ball, reach, all, &mut of_tile);
-        let (mut block, mut feet) = (Block::new(), Feet::new());
+        let (mut block, mut feet) = (pieces.block(), Feet::new());
         for ((k, out), ball) in out.chunks_mut(BLOCK).enumerate().zip(balls.blocks) {
             let Some(ball) = ball else { continue };
             pieces.cull(ball, reach, &of_tile, &mut candidates);
             if candidates.is_empty() {
                 continue;
             }
-            block.fill(tile, k * BLOCK, out.len(), pieces);
+            block.fill(tile, k * BLOCK, out.len());
             pieces.search(simd, &block, &candidates, reach, &mut feet);
             for (i, out) in out.iter_mut().enumerate().take(BLOCK) {
                 if feet.distance[i] < reach {

@@ -16,7 +16,7 @@ use pulp::Simd;
 
 macro_rules! lanes {
     ($name:ident, $mask:ident, $scalar:ty, $vector:ident, $mask_vector:ident, $lanes:ident,
-     $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident, $sqrt:ident,
+     $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident,
      $less:ident, $less_equal:ident, $select:ident, $and:ident, $or:ident, $not:ident,
      $as_simd:ident, $as_mut_simd:ident) => {
         /// Numbers side by side.
@@ -44,11 +44,6 @@ macro_rules! lanes {
             #[inline(always)]
             pub(crate) fn vectors_mut(numbers: &mut [$scalar]) -> &mut [S::$vector] {
                 S::$as_mut_simd(numbers).0
-            }
-
-            #[inline(always)]
-            pub(crate) fn sqrt(self) -> Self {
-                Self(self.0, self.0.$sqrt(self.1))
             }
 
             #[inline(always)]
@@ -137,17 +132,56 @@ macro_rules! lanes {
 }
 
 lanes!(
-    Floats, FloatMask, f32, f32s, m32s, F32_LANES, splat_f32s, add_f32s, sub_f32s, mul_f32s, div_f32s, neg_f32s,
-    sqrt_f32s, less_than_f32s, less_than_or_equal_f32s, select_f32s, and_m32s, or_m32s, not_m32s, as_simd_f32s,
+    Floats,
+    FloatMask,
+    f32,
+    f32s,
+    m32s,
+    F32_LANES,
+    splat_f32s,
+    add_f32s,
+    sub_f32s,
+    mul_f32s,
+    div_f32s,
+    neg_f32s,
+    less_than_f32s,
+    less_than_or_equal_f32s,
+    select_f32s,
+    and_m32s,
+    or_m32s,
+    not_m32s,
+    as_simd_f32s,
     as_mut_simd_f32s
 );
 lanes!(
-    Doubles, DoubleMask, f64, f64s, m64s, F64_LANES, splat_f64s, add_f64s, sub_f64s, mul_f64s, div_f64s, neg_f64s,
-    sqrt_f64s, less_than_f64s, less_than_or_equal_f64s, select_f64s, and_m64s, or_m64s, not_m64s, as_simd_f64s,
+    Doubles,
+    DoubleMask,
+    f64,
+    f64s,
+    m64s,
+    F64_LANES,
+    splat_f64s,
+    add_f64s,
+    sub_f64s,
+    mul_f64s,
+    div_f64s,
+    neg_f64s,
+    less_than_f64s,
+    less_than_or_equal_f64s,
+    select_f64s,
+    and_m64s,
+    or_m64s,
+    not_m64s,
+    as_simd_f64s,
     as_mut_simd_f64s
 );
 
 impl<S: Simd> Floats<S> {
+    #[inline(always)]
+    pub(crate) fn sqrt(self) -> Self {
+        Self(self.0, self.0.sqrt_f32s(self.1))
+    }
+
     #[inline(always)]
     pub(crate) fn to_bits(self) -> S::u32s {
         self.0.transmute_u32s_f32s(self.1)

@@ -146,16 +146,10 @@ pub(crate) fn to_array(v: DVec3) -> [f32; 3] {
 }
 
 /// De Boor's recursion on polynomials: each step mixes neighbours `a + (b − a)·α(t)` with `α` linear in `t`.
-fn bspline(
-    out: &mut Vec<Cubic>,
-    degree: usize,
-    closed: bool,
-    count: usize,
-    point: impl Fn(usize) -> DVec3,
-) {
+fn bspline(out: &mut Vec<Cubic>, degree: usize, closed: bool, count: usize, point: impl Fn(usize) -> DVec3) {
     let spans = if closed { count } else { count - degree };
     // Knots in units of one segment; segment `i` lies between knots i and i + 1.
-    let knot = |j: isize| if closed { j as f64 } else { j.clamp(0, spans as isize) as f64 };
+    let knot = |j: f64| if closed { j } else { j.clamp(0.0, spans as f64) };
     for span in 0..spans {
         let mut d = [Cubic::default(); 4];
         for (j, d) in d.iter_mut().enumerate().take(degree + 1) {
@@ -163,8 +157,8 @@ fn bspline(
         }
         for level in 1..=degree {
             for j in (level..=degree).rev() {
-                let first = knot(span as isize + j as isize - degree as isize);
-                let width = knot(span as isize + 1 + j as isize - level as isize) - first;
+                let first = knot((span + j) as f64 - degree as f64);
+                let width = knot((span + 1 + j - level) as f64) - first;
                 let alpha = [(span as f64 - first) / width, 1.0 / width];
                 d[j] = mix(&d[j - 1], &d[j], alpha);
             }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::closest::BLOCK;
+use crate::block::BLOCK;
 use crate::spans::to_dvec3;
 
 /// Points a tile: its coordinates and accumulators stay in the first-level cache, and a point's index fits 16 bits.
@@ -47,8 +47,8 @@ pub(crate) struct Ball {
 /// The ball about the box of the points that are finite; nothing where none is.
 pub(crate) fn ball(points: impl Iterator<Item = DVec3>) -> Option<Ball> {
     let finite = points.filter(|p| p.is_finite());
-    let (low, high) = finite
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let (low, high) =
+        finite.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
     let radius = 0.5 * (high - low).length();
     (low.x <= high.x).then(|| Ball { center: 0.5 * (low + high), radius })
 }
@@ -62,13 +62,16 @@ fn range(row: &[f32]) -> (f64, f64) {
             low[i] = if x < low[i] { x } else { low[i] };
             high[i] = if x > high[i] { x } else { high[i] };
             // Zero for finite numbers, NaN for others.
-            sum[i] += x - x;
+            sum[i] += x * 0.0;
         }
     }
     if sum.iter().any(|s| *s != 0.0) {
         return (f64::NEG_INFINITY, f64::INFINITY);
     }
-    (f64::from(low.into_iter().fold(f32::INFINITY, f32::min)), f64::from(high.into_iter().fold(f32::NEG_INFINITY, f32::max)))
+    (
+        f64::from(low.into_iter().fold(f32::INFINITY, f32::min)),
+        f64::from(high.into_iter().fold(f32::NEG_INFINITY, f32::max)),
+    )
 }
 
 impl Tile {
@@ -101,7 +104,8 @@ impl Balls {
 /// All points, and the order in which they are searched.
 #[derive(Clone, Debug)]
 pub(crate) struct Tiles {
-    pub(crate) tiles: Vec<Tile>,
+    /// The points in their own order.
+    pub(crate) list: Vec<Tile>,
     pub(crate) count: usize,
     /// The points by Morton code and their indices, where their own order is scattered.
     sorted: Option<(Vec<Tile>, Vec<u32>)>,
@@ -111,18 +115,18 @@ pub(crate) struct Tiles {
 
 impl Tiles {
     pub(crate) fn new(points: &[[f32; 3]]) -> Self {
-        let tiles: Vec<Tile> = points.par_chunks(TILE).map(Tile::new).collect();
-        let balls = Self::measure(&tiles, points.len());
+        let list: Vec<Tile> = points.par_chunks(TILE).map(Tile::new).collect();
+        let balls = Self::measure(&list, points.len());
         if !scattered(&balls) {
-            return Self { tiles, count: points.len(), sorted: None, balls };
+            return Self { list, count: points.len(), sorted: None, balls };
         }
         let order = morton_order(points);
-        let gathered = order.par_chunks(TILE).map(|chunk| {
-            Tile::new(&chunk.iter().map(|&i| points[i as usize]).collect::<Vec<_>>())
-        });
+        let gathered = order
+            .par_chunks(TILE)
+            .map(|chunk| Tile::new(&chunk.iter().map(|&i| points[i as usize]).collect::<Vec<_>>()));
         let sorted: Vec<Tile> = gathered.collect();
         let balls = Self::measure(&sorted, points.len());
-        Self { tiles, count: points.len(), sorted: Some((sorted, order)), balls }
+        Self { list, count: points.len(), sorted: Some((sorted, order)), balls }
     }
 
     fn measure(tiles: &[Tile], count: usize) -> Vec<Balls> {
@@ -132,7 +136,7 @@ impl Tiles {
 
     /// The tiles in the order of search.
     pub(crate) fn searched(&self) -> &[Tile] {
-        self.sorted.as_ref().map_or(&self.tiles, |(tiles, _)| tiles)
+        self.sorted.as_ref().map_or(&self.list, |(tiles, _)| tiles)
     }
 
     /// The index of each point in the order of search, where that is not the points' own.
@@ -192,7 +196,7 @@ mod tests {
     #[test]
     fn a_ball_holds_its_points() {
         let points = grid(50);
-        for (tile, balls) in Tiles::new(&points).tiles.iter().zip(&Tiles::new(&points).balls) {
+        for (tile, balls) in Tiles::new(&points).list.iter().zip(&Tiles::new(&points).balls) {
             for (i, ball) in balls.blocks.iter().enumerate() {
                 let Some(ball) = ball else { continue };
                 let inside = |k: usize| to_dvec3(tile.point(k)).distance(ball.center) <= ball.radius + 1e-9;
@@ -222,6 +226,6 @@ mod tests {
         points[3] = [f32::NAN, 0.0, f32::INFINITY];
         let tiles = Tiles::new(&points);
         assert!(tiles.ball().unwrap().radius < 100.0 && tiles.balls[0].blocks[0].unwrap().radius < 100.0);
-        assert_eq!(tiles.tiles[0].point(2), [2.0, 0.0, 0.0]);
+        assert_eq!(tiles.list[0].point(2), [2.0, 0.0, 0.0]);
     }
 }

@@ -5,7 +5,7 @@
 //! `x²` on `0 ≤ x ≤ 1`, `2^x` on `|x| ≤ ½`, and `log₂ x` in `z = (x − 1)/(x + 1)`. In float32 all are within 1e-7, the last two
 //! relative to the result and to 1.
 
-use std::f32::consts::FRAC_2_PI;
+use std::f32::consts::{FRAC_2_PI, LN_2};
 
 use pulp::Simd;
 
@@ -18,15 +18,15 @@ const ARC_TANGENT: [f32; 9] = [
     -0.333_330_37,
     0.199_918_72,
     -0.141_977_98,
-    0.106_183_704,
+    0.106_183_7,
     -0.074_568_55,
     0.042_137_623,
     -0.015_731_25,
     0.002_766_283_5,
 ];
 const POWER: [f32; 7] =
-    [1.0, 0.693_147_2, 0.240_226_51, 0.055_503_27, 0.009_618_057, 0.001_340_042_8, 0.000_154_614_45];
-const LOGARITHM: [f32; 4] = [2.885_390_1, 0.961_798_84, 0.576_715_2, 0.431_717_7];
+    [1.0, LN_2, 0.240_226_5, 0.055_503_27, 0.009_618_057, 0.001_340_042_8, 0.000_154_614_45];
+const LOGARITHM: [f32; 4] = [2.885_39, 0.961_798_84, 0.576_715_2, 0.431_717_7];
 
 /// Added and taken away again, it rounds a number below 2²² to an integer, whose last bits are then the sum's.
 const ROUND: f32 = 12_582_912.0;

@@ -104,9 +104,9 @@ impl Wire {
         if let Some(radius) = radii.find(|r| !(*r > 0.0 && r.is_finite())) {
             return Err(WireError::Radius(radius));
         }
-        let finite = |name, own: f32, get| match carried(get).chain([own]).all(f32::is_finite) {
-            true => Ok(()),
-            false => Err(WireError::NotFinite(name)),
+        let finite = |name, own: f32, get| {
+            let all_are = carried(get).chain([own]).all(f32::is_finite);
+            if all_are { Ok(()) } else { Err(WireError::NotFinite(name)) }
         };
         finite("scale", self.scale, |l| l.scale)?;
         finite("rotation", self.rotation, |l| l.rotation)?;

@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 2e-5;
 const INPUT_ROUNDING: f64 = 2.4e-7;
 
 /// Share of points that may be left out so.
-const LEFT_OUT: f64 = 0.004;
+const LEFT_OUT: f64 = 0.01;
 
 fn rigs() -> u64 {
     std::env::var("WIREWORK_RIGS").ok().and_then(|n| n.parse().ok()).unwrap_or(240)

@@ -24,8 +24,9 @@ fn polyline(points: &[[f32; 3]]) -> Curve {
 
 /// Points about the origin, on it and a little off it.
 fn around() -> Vec<[f32; 3]> {
-    let c = [-0.8, -0.3, 0.0, 1e-7, 0.4, 1.0];
-    c.iter().flat_map(|&x| c.iter().flat_map(move |&y| c.iter().map(move |&z| [x, y, z]))).collect()
+    let c = [-0.8_f32, -0.3, 0.0, 1e-7, 0.4, 1.0];
+    let at = |i: usize| [c[i % 6], c[i / 6 % 6], c[i / 36]];
+    (0..216).map(at).collect()
 }
 
 #[test]

@@ -50,12 +50,17 @@ impl Scene {
     }
 
     pub(crate) fn deform_wide(&self, p: DVec3) -> DVec3 {
+        self.deform_but(p, 0.0)
+    }
+
+    /// Takes displacements up to `floor` for none.
+    pub(crate) fn deform_but(&self, p: DVec3, floor: f64) -> DVec3 {
         if !p.is_finite() {
             return p;
         }
         let acting = self.acting(p);
         let moved: Vec<(usize, DVec3)> =
-            acting.iter().map(|a| a.1).enumerate().filter(|(_, delta)| *delta != DVec3::ZERO).collect();
+            acting.iter().map(|a| a.1).enumerate().filter(|(_, delta)| delta.length() > floor).collect();
         if moved.is_empty() {
             return p;
         }

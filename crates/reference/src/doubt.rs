@@ -52,7 +52,8 @@ impl Doubt {
             let moved = scene.deform_wide(p + shift) - (p + shift);
             moved.distance(answer)
         };
-        let mut worst: f64 = 0.0;
+        // A displacement no larger than that may as well be none, which for m ≤ 0 is a difference.
+        let mut worst = (self.scene.deform_but(p, step) - p).distance(answer);
         for _ in 0..POINT_SHIFTS {
             worst = worst.max(moves(&self.scene, noise.vector() * step));
         }

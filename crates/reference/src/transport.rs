@@ -239,9 +239,10 @@ pub(crate) fn partner(lengths: Option<&(Lengths, Lengths)>, place: Place) -> Pla
     lengths.and_then(|(r, w)| (r.total() > 0.0).then(|| w.place(r.fraction(place)))?).unwrap_or(place)
 }
 
-/// A joint stands for half of its corner.
+/// A joint stands for half of its corner, one whose sides cancel for the end of the side before it.
 fn spot(curve: &Curve, place: Place) -> Spot {
     match joint_number(curve, place) {
+        Some(joint) if direction(curve, place) == DVec3::ZERO => Spot::Corner(joint, 0.0),
         Some(joint) => Spot::Corner(joint, 0.5),
         None => Spot::Inside(place),
     }

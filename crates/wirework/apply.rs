@@ -1,0 +1,382 @@
+//! From a preset and an input to files: read, bind, deform, shade, bake, write.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use wirework_asset::{Clip, Gltf, Limits, Obj, OutputFile, same_file, write_files, write_obj};
+use wirework_bake::{Bake, Baker, Settings};
+use wirework_preset::Preset;
+use wirework_surface::Mesh;
+
+use crate::error::count;
+use crate::output::{Pattern, Scene, Target, scene_mesh};
+use crate::report::peak_bytes;
+use crate::shade::{Vertices, own_normals};
+use crate::subject::{Model, Subject, stem};
+use crate::{ApplyError, Evaluation, Report, Schedule, When, schedule};
+
+/// What to apply, to what, and how.
+#[derive(Clone, Debug)]
+pub struct Job<'a> {
+    /// The effect.
+    pub preset: &'a Preset,
+    /// The preset's own file: files that it names are relative to its folder, and its name is that of a new node.
+    pub preset_path: &'a Path,
+    /// The model; takes the place of the preset's object. Default none.
+    pub input: Option<&'a Path>,
+    /// The file to write: its extension says what. Default none, which is for a dry run only.
+    pub output: Option<&'a Path>,
+    /// Whether the output may be the input. Default no.
+    pub in_place: bool,
+    /// Do everything but write. Default no.
+    pub dry_run: bool,
+    /// Frames a second. Default 24.
+    pub fps: f64,
+    /// Which moments. Default all frames.
+    pub when: When,
+    /// The most frames there may be. Default 100 000, more than an hour at 24 frames a second.
+    pub max_frames: u32,
+    /// How frames become morph targets. Default [`Bake::Auto`].
+    pub bake: Bake,
+    /// The most morph targets a mesh may have, its own counted. Default 240.
+    pub max_targets: usize,
+    /// The clip of the input that an effect looks at which depends on one. Default the first.
+    pub clip: Option<&'a str>,
+    /// A clip of the input, by name or number, that takes the effect's channels. Default none: a new clip.
+    pub into: Option<&'a str>,
+    /// How large an input may be.
+    pub limits: Limits,
+    /// How many threads work; the result does not depend on it. Default rayon's own number.
+    pub threads: Option<usize>,
+    /// Take warnings as errors. Default no.
+    pub strict: bool,
+}
+
+impl<'a> Job<'a> {
+    /// A job with every setting at its default.
+    pub fn new(preset: &'a Preset, preset_path: &'a Path) -> Self {
+        Self {
+            preset,
+            preset_path,
+            input: None,
+            output: None,
+            in_place: false,
+            dry_run: false,
+            fps: 24.0,
+            when: When::All,
+            max_frames: 100_000,
+            bake: Bake::Auto,
+            max_targets: Settings::default().max_targets,
+            clip: None,
+            into: None,
+            limits: Limits::default(),
+            threads: None,
+            strict: false,
+        }
+    }
+}
+
+/// How far the work has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Frames that are done.
+    pub done: usize,
+    /// All frames.
+    pub frames: usize,
+}
+
+/// Applies a preset and writes the result, telling `progress` after each frame.
+///
+/// The result is written whole or not at all, and is the same, bit for bit, for any number of threads.
+///
+/// # Errors
+///
+/// Whatever is wrong with request, preset, input or output; nothing is written then.
+pub fn apply(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, ApplyError> {
+    let Some(threads) = job.threads else { return run(job, progress) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| ApplyError::Threads(threads, error.to_string()))?;
+    pool.install(|| run(job, progress))
+}
+
+fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, ApplyError> {
+    let start = Instant::now();
+    let preset = job.preset;
+    let schedule = schedule(&job.when, preset.duration, preset.animated, job.fps, job.max_frames)?;
+    let target = target(job, &schedule)?;
+    let subject = subject(job)?;
+    let mut report = Report {
+        points: subject.position_count(),
+        frames: schedule.count(),
+        threads: rayon::current_num_threads(),
+        warnings: subject.warnings(),
+        ..Report::default()
+    };
+    let Subject { points, triangles, model, point_of } = subject;
+    let evaluation = Evaluation::new(&preset.effect, &points, &triangles)?;
+    let mut film = Film {
+        now: points.clone(),
+        points: &points,
+        evaluation,
+        schedule,
+        shade: Duration::ZERO,
+        write: Duration::ZERO,
+        progress,
+    };
+    let product = match (target, model) {
+        (Target::Gltf(format), model) => film.gltf(job, format, Scene::new(model, point_of)?)?,
+        (Target::Obj, model) => film.obj(None, model, point_of, job.output)?,
+        (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, None)?,
+    };
+    report.warnings.extend(product.warnings);
+    report.warnings.extend(film.idle());
+    if job.strict && !report.warnings.is_empty() {
+        return Err(ApplyError::Strict(report.warnings));
+    }
+    let write = Instant::now();
+    if !job.dry_run {
+        for file in product.files.iter().filter(|file| file.replace) {
+            guard(job, &file.path)?;
+        }
+        write_files(&product.files)?;
+    }
+    let ms = |time: Duration| time.as_secs_f64() * 1e3;
+    let spent = film.evaluation.spent();
+    report.wires = film.evaluation.wire_count();
+    report.bind_ms = ms(spent.bind);
+    report.deform_ms = ms(spent.deform);
+    report.normals_ms = ms(film.shade);
+    report.write_ms = ms(film.write + write.elapsed());
+    report.peak_bytes = peak_bytes();
+    report.total_ms = ms(start.elapsed());
+    Ok(report)
+}
+
+/// What to write; refuses what cannot be before any work is done.
+fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, ApplyError> {
+    let request = |message: &str| Err(ApplyError::Request(message.to_owned()));
+    let Some(path) = job.output else {
+        return if job.dry_run {
+            Ok(Target::Gltf(wirework_asset::Format::Glb))
+        } else {
+            request("there is no output: give one, or do a dry run")
+        };
+    };
+    guard(job, path)?;
+    let name = wirework_asset::printable(&path.display().to_string());
+    let Some(target) = Target::of(path) else {
+        return request(&format!("{name}: found another extension, expected .glb, .gltf or .obj"));
+    };
+    match (&target, schedule) {
+        (Target::Obj, Schedule::Frames { .. }) => request(&format!(
+            "{name}: one OBJ file holds no animation; write `####` in its name for a file a frame, or ask for one \
+             moment with `--at SECONDS`"
+        )),
+        (Target::ObjSequence(_), Schedule::Still(_)) if matches!(job.when, When::At(_)) => {
+            request(&format!("{name}: a still is one file; leave `####` out of its name"))
+        }
+        (Target::Gltf(_), Schedule::Frames { .. }) => Ok(target),
+        _ if job.into.is_some() => request("a clip takes the effect only where it is written as a glTF animation"),
+        _ => Ok(target),
+    }
+}
+
+/// Refuses to write over what is read.
+fn guard(job: &Job<'_>, path: &Path) -> Result<(), ApplyError> {
+    let refuse = |what: &str| {
+        let name = wirework_asset::printable(&path.display().to_string());
+        Err(ApplyError::Request(format!("{name}: the output is {what}")))
+    };
+    if job.input.is_some_and(|input| same_file(input, path)) && !job.in_place {
+        return refuse("the input; `--in-place` allows that");
+    }
+    if same_file(job.preset_path, path) {
+        return refuse("the preset");
+    }
+    let folder = job.preset_path.parent().unwrap_or(Path::new(""));
+    let object = job.preset.object.as_ref().and_then(|object| object.file(folder));
+    if job.input.is_none() && object.is_some_and(|object| same_file(&object, path)) && !job.in_place {
+        return refuse("the preset's object; `--in-place` allows that");
+    }
+    Ok(())
+}
+
+fn subject(job: &Job<'_>) -> Result<Subject, ApplyError> {
+    if let Some(input) = job.input {
+        return Subject::read(input, &job.limits);
+    }
+    let object = job.preset.object.as_ref().ok_or(ApplyError::NoObject)?;
+    let folder = job.preset_path.parent().unwrap_or(Path::new(""));
+    Subject::from_object(object, folder, &stem(job.preset_path), &job.limits)
+}
+
+/// What came out.
+#[derive(Default)]
+struct Product {
+    files: Vec<OutputFile>,
+    warnings: Vec<String>,
+}
+
+/// An effect on its way through time.
+struct Film<'a> {
+    points: &'a [[f32; 3]],
+    now: Vec<[f32; 3]>,
+    evaluation: Evaluation<'a>,
+    schedule: Schedule,
+    shade: Duration,
+    write: Duration,
+    progress: &'a mut (dyn FnMut(Progress) + Send),
+}
+
+impl Film<'_> {
+    /// Works out every moment, lets `vertices` follow, and hands each to `take`: frame, time and vertices.
+    fn play(
+        &mut self,
+        vertices: &mut [Vertices],
+        mut take: impl FnMut(u32, f64, &[Vertices]) -> Result<(), ApplyError>,
+    ) -> Result<(), ApplyError> {
+        let frames = self.schedule.count();
+        for (done, (frame, seconds)) in self.schedule.moments().enumerate() {
+            self.evaluation.at(seconds, &mut self.now)?;
+            if let Some(point) = self.now.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+                return Err(ApplyError::OutOfRange { point, seconds });
+            }
+            let start = Instant::now();
+            for list in vertices.iter_mut() {
+                list.place(self.points, &self.now);
+                list.shade()?;
+            }
+            let shaded = Instant::now();
+            self.shade += shaded - start;
+            take(frame, seconds, vertices)?;
+            self.write += shaded.elapsed();
+            (self.progress)(Progress { done: done + 1, frames });
+        }
+        Ok(())
+    }
+
+    fn gltf(
+        &mut self,
+        job: &Job<'_>,
+        format: wirework_asset::Format,
+        scene: Scene,
+    ) -> Result<Product, ApplyError> {
+        let Scene { mut gltf, rest, point_of } = scene;
+        if let Some(clip) = job.clip {
+            find_clip(&gltf, clip)?;
+        }
+        let known = gltf.warnings().len();
+        let start = Instant::now();
+        let mut vertices = [Vertices::of_scene(&rest, point_of)?];
+        self.shade += start.elapsed();
+        if matches!(self.schedule, Schedule::Still(_)) {
+            self.play(&mut vertices, |_, _, vertices| {
+                let [vertices] = vertices else { return Ok(()) };
+                let stuck = gltf.set_still(&rest, &vertices.positions, vertices.normals())?;
+                if stuck > 0 {
+                    let who = if stuck == 1 { "vertex stays" } else { "vertices stay" };
+                    gltf.warn("singular", format!("{stuck} {who} in place: the transform has no inverse"));
+                }
+                Ok(())
+            })?;
+        } else {
+            let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
+            let (bake, max_targets) = (job.bake, job.max_targets);
+            let settings = Settings { bake, max_targets, clip, ..Settings::default() };
+            let mut baker = Baker::new(gltf, &rest, settings);
+            self.play(&mut vertices, |_, seconds, vertices| {
+                let [vertices] = vertices else { return Ok(()) };
+                Ok(baker.push(seconds, &vertices.positions, vertices.normals())?)
+            })?;
+            let start = Instant::now();
+            gltf = baker.finish()?.gltf;
+            self.write += start.elapsed();
+        }
+        let start = Instant::now();
+        let files = gltf.files(job.output.unwrap_or(Path::new("out.glb")), format)?;
+        self.write += start.elapsed();
+        let warnings = gltf.warnings().iter().skip(known);
+        let file = wirework_asset::printable(gltf.file());
+        Ok(Product { files, warnings: warnings.map(|warning| format!("{file}: {warning}")).collect() })
+    }
+
+    fn obj(
+        &mut self,
+        pattern: Option<&Pattern>,
+        model: Model,
+        point_of: Vec<u32>,
+        output: Option<&Path>,
+    ) -> Result<Product, ApplyError> {
+        let mut files = Vec::new();
+        let mut keep = |frame, bytes| {
+            let path = pattern.map(|pattern| pattern.file(frame));
+            if let Some(path) = path.as_deref().or(output) {
+                files.push(OutputFile::new(path, bytes));
+            }
+        };
+        let start = Instant::now();
+        match model {
+            Model::Gltf { rest, .. } => {
+                let mut vertices = [Vertices::of_scene(&rest, point_of)?];
+                self.shade += start.elapsed();
+                self.play(&mut vertices, |frame, _, vertices| {
+                    let [vertices] = vertices else { return Ok(()) };
+                    keep(frame, write_obj(&scene_mesh(&rest, &vertices.positions, vertices.normals())));
+                    Ok(())
+                })?;
+            }
+            Model::Mesh { mesh, obj, .. } => {
+                let (mut mesh, normals) = own_normals(&mesh, &point_of)?;
+                let places = Vertices::new(mesh.positions.clone(), point_of, None)?;
+                let mut vertices: Vec<Vertices> = [places].into_iter().chain(normals).collect();
+                self.shade += start.elapsed();
+                self.play(&mut vertices, |frame, _, vertices| {
+                    follow(&mut mesh, vertices);
+                    keep(frame, obj_text(obj.as_deref(), &mesh));
+                    Ok(())
+                })?;
+            }
+        }
+        Ok(Product { files, ..Product::default() })
+    }
+
+    /// A warning for each effect that reaches nothing.
+    fn idle(&self) -> Vec<String> {
+        let line = |effect| {
+            let which = if effect == 0 { String::new() } else { format!(" (number {effect} of the stack, from 0)") };
+            format!("the effect{which} reaches no vertex: nothing moves [no-reach]")
+        };
+        self.evaluation.idle().map(line).collect()
+    }
+}
+
+/// Puts present positions, and normals where there are any, into a mesh.
+fn follow(mesh: &mut Mesh, vertices: &[Vertices]) {
+    let (Some(places), normals) = (vertices.first(), vertices.get(1)) else { return };
+    mesh.positions.copy_from_slice(&places.positions);
+    if let Some(now) = normals.and_then(|normals| normals.normals()?.get(..mesh.normals.len())) {
+        mesh.normals.copy_from_slice(now);
+    }
+}
+
+fn obj_text(obj: Option<&Obj>, mesh: &Mesh) -> Vec<u8> {
+    obj.map_or_else(|| write_obj(mesh), |obj| obj.write(mesh))
+}
+
+/// The clip of a name, or else of a number.
+fn find_clip(gltf: &Gltf, wanted: &str) -> Result<usize, ApplyError> {
+    let names = gltf.clip_names();
+    let by_number = || wanted.parse().ok().filter(|&index: &usize| index < names.len());
+    names.iter().position(|name| *name == Some(wanted)).or_else(by_number).ok_or_else(|| {
+        let known: Vec<String> = names
+            .iter()
+            .enumerate()
+            .map(|(index, name)| name.map_or_else(|| index.to_string(), |name| format!("{name:?}")))
+            .collect();
+        let there = match known.as_slice() {
+            [] => "the input has no clips".to_owned(),
+            known => format!("the input has {}: {}", count(known.len(), "clip"), known.join(", ")),
+        };
+        ApplyError::Request(format!("there is no clip {wanted:?}; {there}"))
+    })
+}

@@ -1,0 +1,141 @@
+//! What can go wrong between a preset and a file, and whose fault it is.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+use wirework_asset::{AssetError, ErrorClass, printable};
+use wirework_bake::BakeError;
+use wirework_core::BindError;
+use wirework_preset::ObjectError;
+use wirework_surface::{MeshError, NormalsError};
+use wirework_wrinkle::WrinkleError;
+
+use crate::{EvaluateError, ScheduleError};
+
+/// Whose fault an error is; the command's exit codes are these.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Fault {
+    /// The work could not be finished: disk, memory, a bug. Exit code 1.
+    Work,
+    /// What was asked for. Exit code 2.
+    Request,
+    /// The input or another asset. Exit code 3.
+    Asset,
+    /// The preset. Exit code 4.
+    Preset,
+    /// A limit. Exit code 5.
+    Limit,
+}
+
+/// Why an effect was not applied. Nothing has been written then.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ApplyError {
+    /// An asset cannot be read or written.
+    #[error(transparent)]
+    Asset(#[from] AssetError),
+    /// A file that is neither glTF nor OBJ.
+    #[error(
+        "{}: found a file of unknown kind, expected a .glb, .gltf or .obj",
+        printable(&.path.display().to_string())
+    )]
+    UnknownFile {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The preset names no object and there is no input.
+    #[error("the preset names no object to work on: give an input, or add `object: ..` to it")]
+    NoObject,
+    /// The preset's object cannot be built.
+    #[error("the preset's object cannot be built: {0}")]
+    Object(#[from] ObjectError),
+    /// A glTF file as a preset's object cannot be moved.
+    #[error(
+        "{}: `translation`, `rotation` and `scale` of a glTF file are not available in this version; \
+         move it where it was made",
+        printable(&.path.display().to_string())
+    )]
+    PlacedScene {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A mesh is not consistent.
+    #[error("the mesh is not consistent: {0}")]
+    Mesh(#[from] MeshError),
+    /// The moments asked for make no sense.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
+    /// The effect does not fit the object.
+    #[error("the effect cannot be applied: {0}")]
+    Evaluate(#[from] EvaluateError),
+    /// The effect throws a point out of the range of numbers.
+    #[error("at {seconds} s the effect moves point {point} out of the range of 32-bit floats")]
+    OutOfRange {
+        /// Which point.
+        point: usize,
+        /// When.
+        seconds: f64,
+    },
+    /// Normals cannot follow.
+    #[error("the normals cannot be updated: {0}")]
+    Normals(#[from] NormalsError),
+    /// Frames cannot be baked.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// The request does not fit itself or the input.
+    #[error("{0}")]
+    Request(String),
+    /// There are warnings, and the request was to take them as errors.
+    #[error("{} taken as errors, nothing was written", count(.0.len(), "warning"))]
+    Strict(Vec<String>),
+    /// A pool of threads cannot be started.
+    #[error("{0} threads cannot be started: {1}")]
+    Threads(usize, String),
+}
+
+impl ApplyError {
+    /// Whose fault it is.
+    pub fn fault(&self) -> Fault {
+        match self {
+            Self::Asset(error) | Self::Bake(BakeError::Asset(error)) => of_asset(error),
+            Self::UnknownFile { .. } | Self::Mesh(_) | Self::Strict(_) => Fault::Asset,
+            Self::Evaluate(error) => of_evaluation(error),
+            Self::NoObject
+            | Self::Object(_)
+            | Self::PlacedScene { .. }
+            | Self::OutOfRange { .. }
+            | Self::Bake(BakeError::Frame { .. }) => Fault::Preset,
+            Self::Schedule(ScheduleError::TooMany { .. }) | Self::Bake(BakeError::TooManyTargets { .. }) => {
+                Fault::Limit
+            }
+            Self::Schedule(_) | Self::Request(_) => Fault::Request,
+            Self::Normals(_) | Self::Bake(_) | Self::Threads(..) => Fault::Work,
+        }
+    }
+}
+
+fn of_asset(error: &AssetError) -> Fault {
+    match error.class {
+        ErrorClass::Limit => Fault::Limit,
+        ErrorClass::Io => Fault::Work,
+        _ => Fault::Asset,
+    }
+}
+
+fn of_evaluation(error: &EvaluateError) -> Fault {
+    match error {
+        // A point set, where the effect needs faces.
+        EvaluateError::Wrinkle { error: WrinkleError::Surface(_) | WrinkleError::NoNormal { .. }, .. } => {
+            Fault::Asset
+        }
+        EvaluateError::Bind { error: BindError::TooManyPoints(_), .. } => Fault::Limit,
+        EvaluateError::PointCount { .. } => Fault::Work,
+        _ => Fault::Preset,
+    }
+}
+
+/// `1 wire`, `2 wires`.
+pub(crate) fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}

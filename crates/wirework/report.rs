@@ -1,0 +1,49 @@
+//! What an application of an effect did, and what it took.
+
+use serde::Serialize;
+
+/// Counts and times. As JSON it is the command's report.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Report {
+    /// Points of the object: positions of an OBJ file or a preset's object, vertices of a glTF scene.
+    pub points: usize,
+    /// Wires, over all effects.
+    pub wires: usize,
+    /// Moments that were worked out: 1 for a still.
+    pub frames: usize,
+    /// Threads that worked.
+    pub threads: usize,
+    /// Laying creases and binding points, milliseconds.
+    pub bind_ms: f64,
+    /// The wire deformation of all frames, nothing else, milliseconds.
+    pub deform_ms: f64,
+    /// The normals of all frames, milliseconds.
+    pub normals_ms: f64,
+    /// Baking, encoding and writing the files, milliseconds.
+    pub write_ms: f64,
+    /// All of it, reading the input included, milliseconds.
+    pub total_ms: f64,
+    /// The most memory the process has held so far, bytes; 0 where the system does not tell (other than Linux).
+    pub peak_bytes: u64,
+    /// What was repaired, passed over, or is hardly meant.
+    pub warnings: Vec<String>,
+}
+
+impl Report {
+    /// The report as one JSON object with a line a member.
+    pub fn to_json(&self) -> String {
+        // Numbers and text only: this cannot fail.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+}
+
+/// The most memory this process has held so far, bytes; 0 where the system does not tell.
+pub(crate) fn peak_bytes() -> u64 {
+    let Ok(status) = std::fs::read_to_string("/proc/self/status") else { return 0 };
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
+    kib.unwrap_or(0) * 1024
+}

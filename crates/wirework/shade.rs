@@ -1,0 +1,190 @@
+//! The vertices that are written, and how they follow the points: places through the weld, normals through the
+//! faces.
+
+use std::collections::HashMap;
+
+use wirework_asset::Rest;
+use wirework_surface::{Corner, Mesh, MeshError, Normals, NormalsBuffer, NormalsError};
+
+use crate::weld::spread;
+
+/// Vertices as a file has them, at rest and at the present moment.
+#[derive(Debug)]
+pub(crate) struct Vertices {
+    rest: Vec<[f32; 3]>,
+    point_of: Vec<u32>,
+    shading: Option<Shading>,
+    /// Present positions.
+    pub(crate) positions: Vec<[f32; 3]>,
+}
+
+#[derive(Debug)]
+struct Shading {
+    model: Normals,
+    buffer: NormalsBuffer,
+    now: Vec<[f32; 3]>,
+}
+
+impl Vertices {
+    /// `point_of` has the point of each vertex.
+    pub(crate) fn new(
+        rest: Vec<[f32; 3]>,
+        point_of: Vec<u32>,
+        shaded: Option<(Vec<[f32; 3]>, &[[u32; 3]])>,
+    ) -> Result<Self, NormalsError> {
+        let shading = match shaded {
+            None => None,
+            Some((normals, triangles)) => Some(Shading {
+                model: Normals::new(&rest, &normals, triangles)?,
+                buffer: NormalsBuffer::default(),
+                now: normals,
+            }),
+        };
+        let positions = rest.clone();
+        Ok(Self { rest, point_of, shading, positions })
+    }
+
+    /// The vertices of a scene. Without any normals it has none afterwards.
+    pub(crate) fn of_scene(rest: &Rest, point_of: Vec<u32>) -> Result<Self, NormalsError> {
+        let mut normals = vec![[0.0; 3]; rest.positions.len()];
+        let mut any = false;
+        for block in &rest.blocks {
+            if let (Some(own), Some(slots)) =
+                (&block.normals, normals.get_mut(block.first..block.first + block.count))
+            {
+                any = true;
+                slots.copy_from_slice(own);
+            }
+        }
+        let shaded = any.then_some((normals, rest.triangles.as_slice()));
+        Self::new(rest.positions.clone(), point_of, shaded)
+    }
+
+    /// Takes the present places of the points, at rest `points`, to the positions.
+    pub(crate) fn place(&mut self, points: &[[f32; 3]], now: &[[f32; 3]]) {
+        spread(&self.point_of, points, now, &self.rest, &mut self.positions);
+    }
+
+    /// Lets the normals follow the positions.
+    pub(crate) fn shade(&mut self) -> Result<(), NormalsError> {
+        match &mut self.shading {
+            Some(Shading { model, buffer, now }) => model.update_into(&self.positions, buffer, now),
+            None => Ok(()),
+        }
+    }
+
+    /// Present normals, where the vertices have any.
+    pub(crate) fn normals(&self) -> Option<&[[f32; 3]]> {
+        self.shading.as_ref().map(|shading| shading.now.as_slice())
+    }
+}
+
+/// A mesh whose every normal belongs to one position, and its normals as vertices.
+///
+/// A flat face shares one normal among its positions, which part when it bends. A mesh whose normals are each of one
+/// position already keeps their numbering.
+pub(crate) fn own_normals(mesh: &Mesh, point_of: &[u32]) -> Result<(Mesh, Option<Vertices>), MeshOrNormals> {
+    if mesh.normals.is_empty() {
+        return Ok((mesh.clone(), None));
+    }
+    let mut owners: Vec<Option<u32>> = vec![None; mesh.normals.len()];
+    let mut shared = false;
+    for corner in &mesh.corners {
+        if let Some(owner) = corner.normal.and_then(|n| owners.get_mut(n as usize)) {
+            shared |= *owner.get_or_insert(corner.position) != corner.position;
+        }
+    }
+    let mut out = mesh.clone();
+    if shared {
+        (out.normals, owners) = split(&mut out.corners, &mesh.normals);
+    }
+    // Corners without a normal still make faces that turn their neighbours: each position gets a last vertex.
+    let count = out.normals.len() as u32;
+    let vertex = |corner: &Corner| corner.normal.unwrap_or(count + corner.position);
+    let triangles: Vec<[u32; 3]> =
+        out.corner_triangles()?.iter().map(|t| t.map(|c| vertex(&out.corners[c as usize]))).collect();
+    let positions = owners
+        .iter()
+        .map(|owner| owner.unwrap_or(0))
+        .chain(0..mesh.positions.len() as u32)
+        .map(|position| position as usize);
+    let rest: Vec<[f32; 3]> =
+        positions.clone().map(|i| mesh.positions.get(i).copied().unwrap_or_default()).collect();
+    let points = positions.map(|i| point_of.get(i).copied().unwrap_or(0)).collect();
+    let mut normals = out.normals.clone();
+    normals.resize(rest.len(), [0.0; 3]);
+    let vertices = Vertices::new(rest, points, Some((normals, &triangles)))?;
+    Ok((out, Some(vertices)))
+}
+
+/// Gives each pair of a position and a normal a normal of its own, in the order of the corners.
+fn split(corners: &mut [Corner], normals: &[[f32; 3]]) -> (Vec<[f32; 3]>, Vec<Option<u32>>) {
+    let mut known = HashMap::new();
+    let (mut out, mut owners) = (Vec::new(), Vec::new());
+    for corner in corners {
+        let Some(old) = corner.normal else { continue };
+        let new = *known.entry((corner.position, old)).or_insert_with(|| {
+            out.push(normals.get(old as usize).copied().unwrap_or_default());
+            owners.push(Some(corner.position));
+            out.len() as u32 - 1
+        });
+        corner.normal = Some(new);
+    }
+    (out, owners)
+}
+
+/// What can be wrong with a mesh whose normals are to follow.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum MeshOrNormals {
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    #[error(transparent)]
+    Normals(#[from] NormalsError),
+}
+
+impl From<MeshOrNormals> for crate::ApplyError {
+    fn from(error: MeshOrNormals) -> Self {
+        match error {
+            MeshOrNormals::Mesh(error) => error.into(),
+            MeshOrNormals::Normals(error) => error.into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use wirework_surface::{cuboid, sphere};
+
+    use super::*;
+
+    #[test]
+    fn a_bent_flat_face_gets_a_normal_for_each_position() {
+        let mesh = cuboid([-1.0; 3], [1.0; 3], [2, 2, 2]).unwrap();
+        let points: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+        let (out, vertices) = own_normals(&mesh, &points).unwrap();
+        let mut vertices = vertices.unwrap();
+        assert_eq!(out.normals.len(), 6 * 9, "nine positions a side");
+        for (a, b) in mesh.corners.iter().zip(&out.corners) {
+            assert_eq!(mesh.normals[a.normal.unwrap() as usize], out.normals[b.normal.unwrap() as usize]);
+        }
+        let mut now = mesh.positions.clone();
+        let top = now.iter().position(|p| *p == [0.0, 1.0, 0.0]).unwrap();
+        now[top][1] = 2.0;
+        vertices.place(&mesh.positions, &now);
+        vertices.shade().unwrap();
+        let corner =
+            |p: [f32; 3]| out.corners.iter().find(|c| mesh.positions[c.position as usize] == p).unwrap();
+        let normal = vertices.normals().unwrap()[corner([1.0, -1.0, 0.0]).normal.unwrap() as usize];
+        assert!(normal == [1.0, 0.0, 0.0] || normal == [0.0, -1.0, 0.0], "{normal:?}");
+        let moved = vertices.normals().unwrap()[..out.normals.len()].iter().zip(&out.normals);
+        assert_eq!(moved.filter(|(a, b)| a != b).count(), 8, "the neighbours of the tip, which is symmetric");
+    }
+
+    #[test]
+    fn a_smooth_mesh_keeps_its_numbering() {
+        let mesh = sphere([0.0; 3], 1.0, [16, 8]).unwrap();
+        let points: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+        let (out, _) = own_normals(&mesh, &points).unwrap();
+        assert_eq!(out, mesh);
+    }
+}

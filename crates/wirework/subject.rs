@@ -1,0 +1,184 @@
+//! What an effect works on: the object of a preset, an OBJ file or a glTF scene, as points and triangles.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use wirework_asset::{AssetError, Gltf, Limits, Obj, Rest};
+use wirework_preset::Object;
+use wirework_surface::{Mesh, Transform};
+
+use crate::ApplyError;
+use crate::weld::Weld;
+
+/// An object ready for an effect.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// The points that wires act on, each place once, at rest and in world space.
+    pub points: Vec<[f32; 3]>,
+    /// The triangles between them, counter-clockwise seen from outside; a point set has none.
+    pub triangles: Vec<[u32; 3]>,
+    /// Where the points come from and go to.
+    pub model: Model,
+    /// For each position of the model its point.
+    pub(crate) point_of: Vec<u32>,
+}
+
+/// A model in the form that it came in.
+#[derive(Clone, Debug)]
+pub enum Model {
+    /// A polygon mesh or a point set.
+    Mesh {
+        /// What its node is called in a glTF document.
+        name: String,
+        /// Its geometry.
+        mesh: Mesh,
+        /// The file it was read from, if there is one.
+        obj: Option<Box<Obj>>,
+    },
+    /// A glTF scene.
+    Gltf {
+        /// The document.
+        gltf: Box<Gltf>,
+        /// Its rest geometry.
+        rest: Box<Rest>,
+    },
+}
+
+/// The kinds of files an effect can work on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A `.glb` or a `.gltf`.
+    Gltf,
+    /// A Wavefront OBJ.
+    Obj,
+}
+
+impl FileKind {
+    /// What a file is: by its extension, or else by its first bytes. None where neither says.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        match extension.to_ascii_lowercase().as_str() {
+            "glb" | "gltf" => return Some(Self::Gltf),
+            "obj" => return Some(Self::Obj),
+            _ => {}
+        }
+        let mut magic = [0; 4];
+        File::open(path).and_then(|mut file| file.read_exact(&mut magic)).ok()?;
+        (&magic == b"glTF").then_some(Self::Gltf)
+    }
+}
+
+impl Subject {
+    /// Reads a `.glb`, `.gltf` or `.obj`.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be read, is malformed or larger than `limits`, or is of no known kind.
+    pub fn read(path: &Path, limits: &Limits) -> Result<Self, ApplyError> {
+        match FileKind::of(path) {
+            Some(FileKind::Obj) => {
+                let obj = Obj::read(path, limits)?;
+                Self::from_obj(stem(path), obj)
+            }
+            Some(FileKind::Gltf) => Ok(Self::from_gltf(Gltf::read(path, limits)?)?),
+            // Reading it says what is wrong with it where it is missing.
+            None => match Gltf::read(path, limits) {
+                Err(error) if !path.is_file() => Err(error.into()),
+                _ => Err(ApplyError::UnknownFile { path: path.to_path_buf() }),
+            },
+        }
+    }
+
+    /// The object that a preset brings along. `name` is what its node is called; `preset_dir` is the folder of the preset.
+    ///
+    /// # Errors
+    ///
+    /// The object cannot be built, or its file cannot be read.
+    pub fn from_object(
+        object: &Object,
+        preset_dir: &Path,
+        name: &str,
+        limits: &Limits,
+    ) -> Result<Self, ApplyError> {
+        let Some(path) = object.file(preset_dir) else {
+            return Self::from_mesh(name, object.build()?.unwrap_or_default());
+        };
+        let subject = Self::read(&path, limits)?;
+        if object.transform == Transform::default() {
+            return Ok(subject);
+        }
+        match subject.model {
+            Model::Mesh { name, mut mesh, obj } => {
+                object.transform.apply_to_mesh(&mut mesh).map_err(|error| ApplyError::Object(error.into()))?;
+                Self::new(Model::Mesh { name, mesh, obj })
+            }
+            Model::Gltf { .. } => Err(ApplyError::PlacedScene { path }),
+        }
+    }
+
+    /// A mesh made by a program. `name` is what its node is called in a glTF document.
+    ///
+    /// # Errors
+    ///
+    /// The mesh is not consistent.
+    pub fn from_mesh(name: &str, mesh: Mesh) -> Result<Self, ApplyError> {
+        Self::new(Model::Mesh { name: name.to_owned(), mesh, obj: None })
+    }
+
+    /// An OBJ file that has been read.
+    fn from_obj(name: String, obj: Obj) -> Result<Self, ApplyError> {
+        Self::new(Model::Mesh { name, mesh: obj.mesh.clone(), obj: Some(Box::new(obj)) })
+    }
+
+    /// The scene of a glTF document.
+    ///
+    /// # Errors
+    ///
+    /// Its geometry is malformed or larger than the limits, or there is none.
+    pub fn from_gltf(gltf: Gltf) -> Result<Self, AssetError> {
+        let rest = gltf.rest()?;
+        let weld = Weld::new(&rest.positions);
+        let triangles = weld.triangles(&rest.triangles);
+        let model = Model::Gltf { gltf: Box::new(gltf), rest: Box::new(rest) };
+        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of })
+    }
+
+    fn new(model: Model) -> Result<Self, ApplyError> {
+        let Model::Mesh { mesh, obj, .. } = &model else {
+            return Ok(Self { points: Vec::new(), triangles: Vec::new(), model, point_of: Vec::new() });
+        };
+        let triangles = mesh.triangles()?;
+        // Primitives list each position once; files may not.
+        let weld =
+            if obj.is_some() { Weld::new(&mesh.positions) } else { Weld::distinct(&mesh.positions) };
+        let triangles = weld.triangles(&triangles);
+        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of })
+    }
+
+    /// How many positions the model has in its own form: those of a mesh, the vertices of a scene.
+    pub fn position_count(&self) -> usize {
+        self.point_of.len()
+    }
+
+    /// What was repaired or passed over when the model was read.
+    pub fn warnings(&self) -> Vec<String> {
+        let lines = |file: &str, warnings: &[wirework_asset::Warning]| -> Vec<String> {
+            let file = wirework_asset::printable(file);
+            warnings.iter().map(|warning| format!("{file}: {warning}")).collect()
+        };
+        match &self.model {
+            Model::Mesh { obj, .. } => obj.as_ref().map_or_else(Vec::new, |o| lines(o.file(), &o.warnings)),
+            Model::Gltf { gltf, rest } => {
+                let mut all = lines(gltf.file(), gltf.warnings());
+                all.extend(lines(gltf.file(), &rest.warnings));
+                all
+            }
+        }
+    }
+}
+
+/// The name of a file without folder and extension.
+pub(crate) fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "object".to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
