@@ -176,7 +176,9 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, ApplyError> {
             request(&format!("{name}: a still is one file; leave `####` out of its name"))
         }
         (Target::Gltf(_), Schedule::Frames { .. }) => Ok(target),
-        _ if job.into.is_some() => request("a clip takes the effect only where it is written as a glTF animation"),
+        _ if job.into.is_some() => {
+            request("a clip takes the effect only where it is written as a glTF animation")
+        }
         _ => Ok(target),
     }
 }
@@ -327,7 +329,7 @@ impl Film<'_> {
             }
             Model::Mesh { mesh, obj, .. } => {
                 let (mut mesh, normals) = own_normals(&mesh, &point_of)?;
-                let places = Vertices::new(mesh.positions.clone(), point_of, None)?;
+                let places = Vertices::new(mesh.positions.clone(), point_of);
                 let mut vertices: Vec<Vertices> = [places].into_iter().chain(normals).collect();
                 self.shade += start.elapsed();
                 self.play(&mut vertices, |frame, _, vertices| {
@@ -343,7 +345,8 @@ impl Film<'_> {
     /// A warning for each effect that reaches nothing.
     fn idle(&self) -> Vec<String> {
         let line = |effect| {
-            let which = if effect == 0 { String::new() } else { format!(" (number {effect} of the stack, from 0)") };
+            let which =
+                if effect == 0 { String::new() } else { format!(" (number {effect} of the stack, from 0)") };
             format!("the effect{which} reaches no vertex: nothing moves [no-reach]")
         };
         self.evaluation.idle().map(line).collect()

@@ -126,9 +126,9 @@ fn of_asset(error: &AssetError) -> Fault {
 fn of_evaluation(error: &EvaluateError) -> Fault {
     match error {
         // A point set, where the effect needs faces.
-        EvaluateError::Wrinkle { error: WrinkleError::Surface(_) | WrinkleError::NoNormal { .. }, .. } => {
-            Fault::Asset
-        }
+        EvaluateError::Wrinkle {
+            error: WrinkleError::Surface(_) | WrinkleError::NoNormal { .. }, ..
+        } => Fault::Asset,
         EvaluateError::Bind { error: BindError::TooManyPoints(_), .. } => Fault::Limit,
         EvaluateError::PointCount { .. } => Fault::Work,
         _ => Fault::Preset,

@@ -189,8 +189,7 @@ impl Stage<'_> {
         if let Effect::Wrinkle(wrinkle) = self.effect {
             let surface = SurfaceView { positions: points, triangles };
             let laid = creases(&surface, wrinkle);
-            self.creases =
-                Some(laid.map_err(|error| EvaluateError::Wrinkle { effect: self.index, error })?);
+            self.creases = Some(laid.map_err(|error| EvaluateError::Wrinkle { effect: self.index, error })?);
         }
         self.move_wires(seconds);
         let bound = Binding::new(&self.wires, points);
@@ -218,12 +217,7 @@ impl Stage<'_> {
         }
     }
 
-    fn deform(
-        &mut self,
-        seconds: f64,
-        out: &mut [[f32; 3]],
-        spent: &mut Spent,
-    ) -> Result<(), EvaluateError> {
+    fn deform(&mut self, seconds: f64, out: &mut [[f32; 3]], spent: &mut Spent) -> Result<(), EvaluateError> {
         self.move_wires(seconds);
         let Some(binding) = &mut self.binding else { return Ok(()) };
         let start = Instant::now();

@@ -24,7 +24,7 @@ pub enum PresetFileError {
         /// The file.
         file: String,
         /// What is in it, for showing the places of the errors.
-        source: Vec<u8>,
+        text: Vec<u8>,
         /// All of them.
         errors: PresetErrors,
     },
@@ -36,7 +36,7 @@ pub struct PresetFile {
     /// The file as it was named.
     pub file: String,
     /// What is in it, for showing the places of warnings.
-    pub source: Vec<u8>,
+    pub text: Vec<u8>,
     /// The preset and its warnings.
     pub parsed: Parsed,
 }
@@ -50,13 +50,13 @@ pub fn read_preset(path: &Path, limits: &Limits) -> Result<PresetFile, PresetFil
     let file = path.display().to_string();
     let read = || {
         use std::io::Read;
-        let mut source = Vec::new();
+        let mut text = Vec::new();
         // One byte more than allowed is enough to see that there are too many.
-        std::fs::File::open(path)?.take(limits.bytes.saturating_add(1)).read_to_end(&mut source)?;
-        Ok(source)
+        std::fs::File::open(path)?.take(limits.bytes.saturating_add(1)).read_to_end(&mut text)?;
+        Ok(text)
     };
     match read() {
-        Ok(source) => parse_preset(file, source, limits),
+        Ok(text) => parse_preset(file, text, limits),
         Err(error) => Err(PresetFileError::Read { file, error }),
     }
 }
@@ -66,9 +66,9 @@ pub fn read_preset(path: &Path, limits: &Limits) -> Result<PresetFile, PresetFil
 /// # Errors
 ///
 /// The content is not a preset.
-pub fn parse_preset(file: String, source: Vec<u8>, limits: &Limits) -> Result<PresetFile, PresetFileError> {
-    match parse(&source, limits) {
-        Ok(parsed) => Ok(PresetFile { file, source, parsed }),
-        Err(errors) => Err(PresetFileError::Content { file, source, errors }),
+pub fn parse_preset(file: String, text: Vec<u8>, limits: &Limits) -> Result<PresetFile, PresetFileError> {
+    match parse(&text, limits) {
+        Ok(parsed) => Ok(PresetFile { file, text, parsed }),
+        Err(errors) => Err(PresetFileError::Content { file, text, errors }),
     }
 }

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-/// Products of a duration and a frame rate this close to a whole number are that number: 0.7 s at 30 frames a second
-/// are 21 frames, not 20.999999999999996. Relative, well above the rounding of f64 and below any frame.
+/// Products of a duration and a frame rate this close to a whole number are that number: 2.2 s at 25 frames a second
+/// are 55 frames, not 55.00000000000001. Relative, well above the rounding of f64 and below any frame.
 const WHOLE: f64 = 1e-9;
 
 /// What is asked for.
@@ -146,10 +146,9 @@ mod tests {
         let count = |duration, fps| schedule(&When::All, duration, true, fps, 10_000).unwrap().count();
         assert_eq!(count(3.0, 24.0), 73);
         assert_eq!(count(1.01, 24.0), 26);
-        assert_eq!(0.7 * 30.0, 20.999_999_999_999_996);
-        assert_eq!(count(0.7, 30.0), 22);
-        assert!(1.1 * 30.0 > 33.0);
-        assert_eq!(count(1.1, 30.0), 34);
+        // 2.2 · 25 is 55.00000000000001 in f64, and 8.2 · 30 is 245.99999999999997.
+        assert_eq!(count(2.2, 25.0), 56);
+        assert_eq!(count(8.2, 30.0), 247);
         assert_eq!(count(1e-6, 24.0), 2);
     }
 

@@ -110,7 +110,10 @@ impl Subject {
         }
         match subject.model {
             Model::Mesh { name, mut mesh, obj } => {
-                object.transform.apply_to_mesh(&mut mesh).map_err(|error| ApplyError::Object(error.into()))?;
+                object
+                    .transform
+                    .apply_to_mesh(&mut mesh)
+                    .map_err(|error| ApplyError::Object(error.into()))?;
                 Self::new(Model::Mesh { name, mesh, obj })
             }
             Model::Gltf { .. } => Err(ApplyError::PlacedScene { path }),
@@ -150,8 +153,7 @@ impl Subject {
         };
         let triangles = mesh.triangles()?;
         // Primitives list each position once; files may not.
-        let weld =
-            if obj.is_some() { Weld::new(&mesh.positions) } else { Weld::distinct(&mesh.positions) };
+        let weld = if obj.is_some() { Weld::new(&mesh.positions) } else { Weld::distinct(&mesh.positions) };
         let triangles = weld.triangles(&triangles);
         Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of })
     }

@@ -61,8 +61,9 @@ fn bracket(wire: &Wire, attribute: Attribute, u: f64) -> Option<(Stop, Stop)> {
     })
 }
 
-/// The attribute as powers of the place `t` in a segment that covers `[start, start + width]` of the curve, valid
-/// about `inside`, a parameter strictly within one cell of that segment.
+/// The attribute as powers of `τ`, where `u = start + width·τ`, valid about `inside`, a parameter strictly within one cell.
+///
+/// With `start` the beginning of the cell no power is large where it counts, however close together locators stand.
 pub(crate) fn polynomial(wire: &Wire, attribute: Attribute, start: f64, width: f64, inside: f64) -> [f64; 4] {
     let Some(((ua, a), (ub, b))) = bracket(wire, attribute, inside) else {
         return [f64::from(attribute.of_wire(wire)), 0.0, 0.0, 0.0];
@@ -71,12 +72,12 @@ pub(crate) fn polynomial(wire: &Wire, attribute: Attribute, start: f64, width: f
     if ub <= ua || rise == 0.0 {
         return [a, 0.0, 0.0, 0.0];
     }
-    // x = x₀ + x₁ t runs from 0 to 1 between the locators.
+    // x = x₀ + x₁ τ runs from 0 to 1 between the locators.
     let (x0, x1) = ((start - ua) / (ub - ua), width / (ub - ua));
     match wire.interpolation {
         Interpolation::Linear => [a + rise * x0, rise * x1, 0.0, 0.0],
         Interpolation::Smooth => {
-            // 3x² − 2x³ in powers of t.
+            // 3x² − 2x³ in powers of τ.
             let [c0, c1, c2, c3] = [
                 x0 * x0 * (3.0 - 2.0 * x0),
                 6.0 * x0 * x1 * (1.0 - x0),

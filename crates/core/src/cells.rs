@@ -6,6 +6,9 @@
 use crate::spans::Spans;
 use crate::{Locator, Wire};
 
+/// A foot within this of a joint, in segments, is at the joint: places are known no better from float32 input.
+const NEAR_JOINT: f32 = f32::EPSILON;
+
 /// One cell of a wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Cell {
@@ -48,8 +51,8 @@ impl Cells {
     pub(crate) fn find(&self, span: u32, t: f32) -> u32 {
         let n = self.first.len() - 1;
         let stretches = self.first[n];
-        let joint = if t <= 0.0 { span as usize } else { span as usize + 1 };
-        if (t <= 0.0 || t >= 1.0) && (self.closed || (joint > 0 && joint < n)) {
+        let joint = if t <= NEAR_JOINT { span as usize } else { span as usize + 1 };
+        if (t <= NEAR_JOINT || t >= 1.0 - NEAR_JOINT) && (self.closed || (joint > 0 && joint < n)) {
             return stretches + (joint % n) as u32;
         }
         let range = self.first[span as usize]..self.first[span as usize + 1];
@@ -61,9 +64,10 @@ impl Cells {
     }
 }
 
-/// Places of the locators inside segment `span` of `n`.
+/// Places of the locators inside segment `span` of `n`, in the precision of places.
 fn cuts(locators: &[Locator], span: usize, n: usize) -> impl Iterator<Item = f64> {
-    locators.iter().map(move |l| f64::from(l.u) * n as f64 - span as f64).filter(|t| *t > 0.0 && *t < 1.0)
+    let place = move |l: &Locator| f64::from((f64::from(l.u) * n as f64 - span as f64) as f32);
+    locators.iter().map(place).filter(|t| *t > 0.0 && *t < 1.0)
 }
 
 #[cfg(test)]

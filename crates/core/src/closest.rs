@@ -48,9 +48,11 @@ impl Curve {
         let mut feet = Feet::new();
         pieces.search(pulp::Scalar, &block, &pieces.all(), f64::INFINITY, &mut feet);
         let (span, t) = (feet.span[0] as usize, feet.t[0]);
-        let u = (span as f64 + t) / spans.cubics.len() as f64;
+        let u = ((span as f64 + t) / spans.cubics.len() as f64) as f32;
+        // Where a closed curve closes, the smallest parameter is 0.
+        let u = if spans.closed && u == 1.0 { 0.0 } else { u };
         let point = to_array(spans.cubics[span].at(t));
-        Some(Foot { u: u as f32, distance: feet.distance[0] as f32, point })
+        Some(Foot { u, distance: feet.distance[0] as f32, point })
     }
 }
 

@@ -6,14 +6,17 @@
 //! belong to joints of `W`. Once a frame each becomes a table of cubics between such breaks; points look it up.
 //! A place is counted in segments: `span + t`.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use crate::arclength::ArcLength;
 use crate::rotation::{Traveller, continued_vector, least_rotation};
 use crate::spans::Spans;
 
-/// The table of places is refined until it is right to this part of a segment at the middles of its pieces.
+/// The table of places is refined until it is right to this part of a segment where it is checked.
 const PLACE_TOLERANCE: f64 = 1e-8;
+
+/// Where a piece of it is checked. The middle alone would take a piece that is symmetric about it for exact.
+const PLACE_CHECKS: [f64; 3] = [0.21, 0.5, 0.83];
 
 /// A piece of the table of places is halved at most this often, at a standstill of a curve.
 const PLACE_DEPTH: u32 = 12;
@@ -27,6 +30,9 @@ const MOST_TURN_PIECES: usize = 1024;
 /// Radians by which the table from every other node may miss the nodes between; from all nodes, and by the fourth order
 /// of its error, it misses by a sixteenth.
 const TURN_TOLERANCE: f64 = 3e-6;
+
+/// Steps, an even number, in which the turn at a corner is followed: none is more than a sixteenth of a half turn.
+const CORNER_STEPS: usize = 16;
 
 /// A place within this of a joint of `W`, in segments, is the joint: a corner's mean tangent holds there.
 const JOINT: f64 = 1e-6;
@@ -176,13 +182,14 @@ impl Pair<'_> {
         let bounded = |slope: f64| if slope.is_finite() { slope.min(limit) } else { limit };
         let slopes = [(x0, y0), (x1, y1)].map(|(x, y)| bounded(self.slope(spans, x, y)));
         let cubic = hermite(h, y0, slopes[0], y1, slopes[1]);
-        let middle = 0.5 * h;
-        let found = cubic[0] + middle * (cubic[1] + middle * (cubic[2] + middle * cubic[3]));
-        if depth == 0 || (found - self.place(x0 + middle)).abs() < PLACE_TOLERANCE {
+        let at = |s: f64| cubic[0] + s * (cubic[1] + s * (cubic[2] + s * cubic[3]));
+        let right = |part: &f64| (at(part * h) - self.place(x0 + part * h)).abs() < PLACE_TOLERANCE;
+        if depth == 0 || PLACE_CHECKS.iter().all(right) {
             table.push(x0, cubic);
         } else {
-            self.tabulate(spans, x0, x0 + middle, depth - 1, table);
-            self.tabulate(spans, x0 + middle, x1, depth - 1, table);
+            let middle = 0.5 * (x0 + x1);
+            self.tabulate(spans, x0, middle, depth - 1, table);
+            self.tabulate(spans, middle, x1, depth - 1, table);
         }
     }
 }
@@ -206,45 +213,30 @@ impl Turns {
             Some(places) => self.breaks.clone_from(&places.breaks),
             None => find_breaks(&mut self.breaks, r, 0, |_| 0.0),
         }
-        let place = |x: f64| match places {
-            Some(places) => places.at(x, w),
-            None => (whole(x, w), x - whole(x, w) as f64),
-        };
-        let (mut on_r, mut on_w) = (Traveller::new(r), Traveller::new(w));
-        let start = least_rotation(on_r.tangent, on_w.tangent);
-        let mut vector = continued_vector(start, DVec3::ZERO);
-        self.joints.push(vector.as_vec3().to_array());
+        let mut walk = Walk::new(r, w, places);
+        self.joints.push(walk.vector.as_vec3().to_array());
         for k in 1..self.breaks.len() {
             let (x0, x1) = (self.breaks[k - 1], self.breaks[k]);
-            let middle = 0.5 * (x0 + x1);
-            let (r_span, w_span) = (whole(middle, r), place(middle).0);
-            let before = vector;
+            let spans = walk.spans(0.5 * (x0 + x1));
             let mut pieces = FEWEST_TURN_PIECES;
             loop {
-                let (mut r_trial, mut w_trial) = (on_r.clone(), on_w.clone());
-                (vector, pieces) = (before, 2 * pieces);
+                let mut trial = walk.clone();
+                pieces *= 2;
                 self.nodes.clear();
                 for i in 0..=pieces {
-                    let x = x0 + (x1 - x0) * i as f64 / pieces as f64;
-                    r_trial.travel(r_span, (x - r_span as f64).clamp(0.0, 1.0));
-                    let (span, t) = place(x);
-                    w_trial.travel(w_span, (span as f64 + t - w_span as f64).clamp(0.0, 1.0));
-                    vector = continued_vector(w_trial.rotation * start * r_trial.rotation.inverse(), vector);
-                    self.nodes.push(vector);
+                    trial.walk(spans, x0 + (x1 - x0) * i as f64 / pieces as f64);
+                    self.nodes.push(trial.vector);
                 }
                 if pieces >= MOST_TURN_PIECES || self.miss() < TURN_TOLERANCE {
-                    (on_r, on_w) = (r_trial, w_trial);
+                    walk = trial;
                     break;
                 }
             }
             self.tabulate(x0, (x1 - x0) / pieces as f64);
-            let joint = x1.round();
-            if (x1 - joint).abs() < JOINT {
-                let (span, t) = place(x1);
-                let on_joint = on_w.halfway(tangent_near_joint(w, span, t));
-                let turned = on_joint * start * on_r.halfway(r.joint_tangent(joint as usize)).inverse();
-                vector = continued_vector(turned, vector);
-                self.joints.push(vector.as_vec3().to_array());
+            let next = self.breaks.get(k + 1).map_or(spans, |x2| walk.spans(0.5 * (x1 + x2)));
+            let halfway = walk.turn_corner(next);
+            if (x1 - x1.round()).abs() < JOINT {
+                self.joints.push(halfway.as_vec3().to_array());
             }
         }
     }
@@ -281,6 +273,66 @@ impl Turns {
     /// The rotation vector at joint `joint` of `R`.
     pub(crate) fn at_joint(&self, joint: usize) -> [f32; 3] {
         self.joints.get(joint).or(self.joints.last()).copied().unwrap_or_default()
+    }
+}
+
+/// Frames on their way along both curves.
+#[derive(Clone)]
+struct Walk<'a> {
+    r: &'a Spans,
+    w: &'a Spans,
+    places: Option<&'a Places>,
+    on_r: Traveller<'a>,
+    on_w: Traveller<'a>,
+    start: DQuat,
+    /// The rotation vector from the one frame to the other.
+    vector: DVec3,
+}
+
+impl<'a> Walk<'a> {
+    fn new(r: &'a Spans, w: &'a Spans, places: Option<&'a Places>) -> Self {
+        let (on_r, on_w) = (Traveller::new(r), Traveller::new(w));
+        let start = least_rotation(on_r.tangent, on_w.tangent);
+        Self { r, w, places, on_r, on_w, start, vector: continued_vector(start, DVec3::ZERO) }
+    }
+
+    /// The place of `W` that belongs to place `x`.
+    fn place(&self, x: f64) -> f64 {
+        self.places.map_or(x, |places| {
+            let (span, t) = places.at(x, self.w);
+            span as f64 + t
+        })
+    }
+
+    /// The segments of `R` and `W` at place `x`, inside both.
+    fn spans(&self, x: f64) -> (usize, usize) {
+        (whole(x, self.r), whole(self.place(x), self.w))
+    }
+
+    /// Goes on to place `x`, in given segments.
+    fn walk(&mut self, (r_span, w_span): (usize, usize), x: f64) {
+        self.on_r.travel(r_span, (x - r_span as f64).clamp(0.0, 1.0));
+        self.on_w.travel(w_span, (self.place(x) - w_span as f64).clamp(0.0, 1.0));
+        self.continue_with(self.on_r.rotation, self.on_w.rotation);
+    }
+
+    fn continue_with(&mut self, on_r: DQuat, on_w: DQuat) {
+        self.vector = continued_vector(on_w * self.start * on_r.inverse(), self.vector);
+    }
+
+    /// Turns both corners into segments `next` at once and by even steps, so that the angle is continued through them;
+    /// gives the vector halfway, at the mean tangents.
+    fn turn_corner(&mut self, next: (usize, usize)) -> DVec3 {
+        let (r_corner, w_corner) = (self.on_r.corner(next.0), self.on_w.corner(next.1));
+        let mut halfway = self.vector;
+        for i in 1..=CORNER_STEPS {
+            let part = |corner: DVec3| DQuat::from_scaled_axis(corner * (i as f64 / CORNER_STEPS as f64));
+            self.continue_with(part(r_corner) * self.on_r.rotation, part(w_corner) * self.on_w.rotation);
+            if 2 * i == CORNER_STEPS {
+                halfway = self.vector;
+            }
+        }
+        halfway
     }
 }
 
@@ -332,6 +384,23 @@ mod tests {
             let (span, t) = places.at(x, &w);
             let found = w_lengths.at(&w, span, t) / w_lengths.total();
             assert!((found - expected).abs() < 1e-7, "{x}: {found} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn places_are_right_between_standstills() {
+        // Both curves start and stop on their way between two points, but one of them waits first.
+        let (a, b) = ([0.0; 3], [1.0, 0.0, 0.0]);
+        let through = |points: Vec<[f32; 3]>| {
+            Spans::new(&Curve::new(crate::CurveKind::CatmullRom, true, points).unwrap())
+        };
+        let (r, w) = (through(vec![a, b, b]), through(vec![b, b, a]));
+        let mut places = Places::default();
+        places.build(&r, &ArcLength::new(&r), &w);
+        for i in 0..=20 {
+            let x = f64::from(i) / 20.0;
+            let (span, t) = places.at(x, &w);
+            assert!((r.at(x / 3.0).x + w.cubics[span].at(t).x - 1.0).abs() < 1e-6, "{x}");
         }
     }
 

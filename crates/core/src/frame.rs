@@ -36,6 +36,8 @@ pub(crate) struct CellFrame {
     pub(crate) d: Powers<4>,
     /// `W′`, up to a factor; equal to `r_tangent` where the curves run alike.
     pub(crate) w_tangent: Powers<3>,
+    /// Where the cell begins; attributes are powers of the distance from there.
+    pub(crate) t0: f32,
     /// `s − 1`.
     pub(crate) scale: [f32; 4],
     pub(crate) rotation: [f32; 4],
@@ -107,7 +109,7 @@ impl Frame {
             Cell::Joint { joint, .. } => self.joint(r, joint, by_length),
         };
         let (start, width, inside, place) = match cell {
-            Cell::Stretch { span, inside, .. } => (span as f64 * width, width, inside, span as f64),
+            Cell::Stretch { span, t0, inside } => ((span as f64 + t0) * width, width, inside, span as f64),
             Cell::Joint { joint, u } => (u, 0.0, u, joint as f64),
         };
         let attribute = |a| polynomial(wire, a, start, width, inside).map(|c| c as f32);
@@ -131,6 +133,7 @@ impl Frame {
             r_tangent: curves.r_tangent,
             d: curves.d,
             w_tangent: curves.w_tangent,
+            t0: if let Cell::Stretch { t0, .. } = cell { t0 as f32 } else { 0.0 },
             uniform: [&scale, &rotation, &amplitude, &twist].into_iter().all(constant),
             still: !moves || amplitude == [0.0; 4],
             scale,

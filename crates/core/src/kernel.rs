@@ -200,7 +200,7 @@ fn load3<S: Simd>(simd: S, lanes: &[Lane; 3], i: usize) -> Vectors<S> {
 /// An attribute of the cell at places `t`.
 #[inline(always)]
 fn attribute<S: Simd>(cell: &CellFrame, c: &[f32; 4], t: Floats<S>) -> Floats<S> {
-    if cell.uniform { Floats::splat(t.0, c[0]) } else { t.polynomial(c) }
+    if cell.uniform { Floats::splat(t.0, c[0]) } else { (t - Floats::splat(t.0, cell.t0)).polynomial(c) }
 }
 
 /// `v` rotated about `R′` by `angle`.

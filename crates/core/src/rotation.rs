@@ -111,9 +111,13 @@ impl<'a> Traveller<'a> {
         self.travel_in_segment(t);
     }
 
-    /// The rotation at the corner just reached, halfway between both sides: to the mean tangent.
-    pub(crate) fn halfway(&self, mean: DVec3) -> DQuat {
-        least_rotation(self.tangent, mean) * self.rotation
+    /// Goes to the end of the present segment; the rotation vector of the corner from there into segment `next`.
+    pub(crate) fn corner(&mut self, next: usize) -> DVec3 {
+        if next <= self.place.0 {
+            return DVec3::ZERO;
+        }
+        self.travel_in_segment(1.0);
+        least_rotation(self.tangent, self.spans.cubics[next].tangent(0.0)).to_scaled_axis()
     }
 
     fn travel_in_segment(&mut self, t: f64) {

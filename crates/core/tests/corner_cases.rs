@@ -136,7 +136,7 @@ fn coincident_control_points_are_no_trouble() {
 #[test]
 fn no_points_and_no_wires() {
     let wire = Wire::new(polyline(&[[0.0; 3], [1.0, 0.0, 0.0]]));
-    assert!(deform(&[wire.clone()], &[]).is_empty());
+    assert!(deform(std::slice::from_ref(&wire), &[]).is_empty());
     assert!(deform(&[], &[]).is_empty());
     let points = [[1.0, -0.0, 3.0], [f32::MAX, f32::MIN_POSITIVE, 0.0]];
     assert_eq!(deform(&[], &points), points);
@@ -149,11 +149,11 @@ fn points_that_are_not_finite_stay_and_do_not_disturb_others() {
     wire.pose = vec![[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]];
     let odd = [[f32::NAN, 0.0, 0.0], [0.5, f32::INFINITY, 0.0], [0.5, 0.1, f32::NEG_INFINITY], [f32::NAN; 3]];
     let mut points: Vec<[f32; 3]> = (0..200_u8).map(|i| [f32::from(i) / 200.0, 0.2, 0.0]).collect();
-    let clean = deform(&[wire.clone()], &points);
+    let clean = deform(std::slice::from_ref(&wire), &points);
     for (i, p) in odd.into_iter().enumerate() {
         points.insert(i * 50, p);
     }
-    let mut found = deform(&[wire.clone()], &points);
+    let mut found = deform(std::slice::from_ref(&wire), &points);
     for (i, p) in odd.into_iter().enumerate().rev() {
         let q = found.remove(i * 50);
         assert_eq!(q.map(f32::to_bits), p.map(f32::to_bits));
@@ -240,7 +240,7 @@ fn a_pose_that_does_not_fit_is_refused() {
     let mut wire = Wire::new(polyline(&[[0.0; 3], [1.0, 0.0, 0.0]]));
     let good = vec![wire.clone()];
     wire.pose.pop();
-    assert!(Binding::new(&[wire.clone()], &[[0.0; 3]]).is_err());
+    assert!(Binding::new(std::slice::from_ref(&wire), &[[0.0; 3]]).is_err());
     let mut binding = Binding::new(&good, &[[0.0; 3]]).unwrap();
     let mut out = [[0.0; 3]];
     assert!(binding.deform_into(&[wire], &Blend::default(), &mut out).is_err(), "too short a pose");

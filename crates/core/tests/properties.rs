@@ -2,8 +2,8 @@
 
 use glam::{DQuat, DVec3};
 use std::cell::OnceCell;
-use wirework_core::{Bend, Binding, Blend, Correspondence, Curve, CurveKind, Wire};
-use wirework_reference::{Doubt, Random, Rig, influence, point};
+use wirework_core::{Bend, Binding, Blend, Correspondence, Curve, CurveKind, Density, Wire};
+use wirework_reference::{Doubt, Random, Rig, Scene, influence, point};
 
 fn deform(wires: &[Wire], blend: &Blend, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut out = vec![[0.0; 3]; points.len()];
@@ -40,12 +40,17 @@ fn commutes(seed: u64, rig: &Rig, map: impl Fn(DVec3) -> DVec3, factor: f32, tol
     let other = mapped(rig, &map, factor);
     let before = deform(&other.wires, &other.blend, &other.points);
     let diagonal = other.diagonal();
-    let (doubt, mut left_out) = (OnceCell::new(), 0);
+    let (exact, mut left_out) = (OnceCell::new(), 0);
     for (i, (&a, &b)) in after.iter().zip(&before).enumerate() {
         let error = map(wide(a)).distance(wide(b)) / diagonal;
         if error > tolerance {
-            let doubt = doubt.get_or_init(|| Doubt::new(&other.wires, &other.blend, 4e-7));
-            let moves = doubt.of(other.points[i]) / diagonal;
+            // Half a turn takes its axis from the coordinate axes: there the contract itself does not commute.
+            let (doubt, one, two) = exact.get_or_init(|| {
+                let scene = |rig: &Rig| Scene::new(&rig.wires, &rig.blend);
+                (Doubt::new(&other.wires, &other.blend, 4e-7), scene(rig), scene(&other))
+            });
+            let [one, two] = [one.deform(rig.points[i]), two.deform(other.points[i])].map(DVec3::from_array);
+            let moves = doubt.of(other.points[i]).max(map(one).distance(two)) / diagonal;
             assert!(
                 moves > 0.25 * tolerance,
                 "seed {seed}, {:?}: off by {error:e}, {:#?}",
@@ -66,7 +71,7 @@ fn few(left_out: usize, all: usize, hundredths: usize) {
 #[test]
 fn rigid_motions_commute_with_the_deformation() {
     let (mut left_out, mut all) = (0, 0);
-    for seed in 0..80 {
+    for seed in 0..40 {
         let rig = Rig::new(seed);
         let mut random = Random::new(!seed);
         let turn = DQuat::from_scaled_axis(DVec3::from_array(random.vector(3.0)));
@@ -74,13 +79,14 @@ fn rigid_motions_commute_with_the_deformation() {
         left_out += commutes(seed, &rig, |p| turn * p + shift, 1.0, 2e-5);
         all += rig.points.len();
     }
-    few(left_out, all, 4);
+    // Many of the points lie at exactly r.
+    few(left_out, all, 6);
 }
 
 #[test]
 fn uniform_scalings_commute_with_the_deformation() {
     let (mut left_out, mut all) = (0, 0);
-    for seed in 0..80 {
+    for seed in 0..40 {
         let rig = Rig::new(seed);
         // A power of two rounds nothing.
         assert_eq!(commutes(seed, &rig, |p| p * 64.0, 64.0, 1e-6), 0, "seed {seed}");
@@ -114,6 +120,7 @@ fn outside_the_radius_nothing_moves() {
 
 #[test]
 fn points_on_the_reference_track_the_wire() {
+    let (mut left_out, mut all) = (0, 0);
     for seed in 0..100 {
         let wire = Rig::new(seed).wires.swap_remove(0);
         let wire =
@@ -124,20 +131,23 @@ fn points_on_the_reference_track_the_wire() {
         let points: Vec<[f32; 3]> = on.iter().map(|p| p.as_vec3().to_array()).collect();
         let rig = Rig { wires: vec![wire.clone()], blend: Blend::default(), points: points.clone() };
         let diagonal = rig.diagonal();
-        let doubt = Doubt::new(&rig.wires, &rig.blend, 1.2e-7);
+        let doubt = OnceCell::new();
         for (&p, &q) in points.iter().zip(&deform(&rig.wires, &rig.blend, &points)) {
             // Where the curve meets itself, or stands nearly still, its foot is not its own.
             let foot = wirework_reference::closest(&wire.reference, p.map(f64::from));
             let target = DVec3::from_array(point(&pose, foot.u));
             let error = wide(q).distance(target);
-            let steady = doubt.of(p) < 1e-5 * diagonal;
-            let linear = f64::from(wire.density == wirework_core::Density::Linear) * 1e-6;
-            assert!(
-                !steady || error < (4e-6 + linear) * diagonal,
-                "seed {seed}, {p:?}: {error:e}, {wire:#?}"
-            );
+            // f(x) = 1 − x falls with the rounding of x, the others with its square.
+            let allowed = if wire.density == Density::Linear { 5e-6 } else { 4e-6 } * diagonal;
+            if error > allowed {
+                let doubt = doubt.get_or_init(|| Doubt::new(&rig.wires, &rig.blend, 1.2e-7));
+                assert!(doubt.of(p) > 0.25 * allowed, "seed {seed}, {p:?}: {error:e}, {wire:#?}");
+                left_out += 1;
+            }
+            all += 1;
         }
     }
+    few(left_out, all, 4);
 }
 
 /// Both halves of a Bézier chain's middle segment as chains of their own, exactly: control points on a coarse lattice.

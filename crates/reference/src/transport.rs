@@ -24,7 +24,7 @@ const TURN: f64 = 0.02;
 const HALVINGS: usize = 24;
 
 /// The rotation vector is followed over as many even steps a segment, and over all that were halved.
-const STATIONS: usize = 64;
+const STATIONS: usize = 256;
 
 /// Steps in which the turn at a corner is followed.
 const CORNER_STEPS: usize = 16;
@@ -161,6 +161,8 @@ pub(crate) struct Transport {
     reference: Turning,
     pose: Turning,
     lengths: Option<(Lengths, Lengths)>,
+    /// Whether one of the curves has no tangent anywhere: no rotation.
+    still: bool,
     start: DQuat,
     /// By rising parameter of `R` in segments: the rotation vector there.
     stations: Vec<(f64, DVec3)>,
@@ -171,7 +173,9 @@ impl Transport {
     pub(crate) fn new(reference: &Curve, pose: &Curve, lengths: Option<(Lengths, Lengths)>) -> Self {
         let (reference, pose) = (Turning::new(reference), Turning::new(pose));
         let first = least(reference.start, pose.start);
-        let mut bend = Self { reference, pose, lengths, start: quat(first), stations: vec![(0.0, first)] };
+        let still = reference.start == DVec3::ZERO || pose.start == DVec3::ZERO;
+        let mut bend =
+            Self { reference, pose, lengths, still, start: quat(first), stations: vec![(0.0, first)] };
         let mut vector = first;
         for (x, r, w) in bend.path() {
             vector = continued(bend.bend(r, w), vector);
@@ -182,6 +186,9 @@ impl Transport {
 
     /// The rotation vector of the bend at a place of `R`.
     pub(crate) fn vector(&self, place: Place, partner: Place) -> DVec3 {
+        if self.still {
+            return DVec3::ZERO;
+        }
         let x = place.segment as f64 + place.t;
         let (r, w) = (spot(&self.reference.curve, place), spot(&self.pose.curve, partner));
         // Up to a corner only its first half counts.

@@ -1,0 +1,110 @@
+//! `wirework apply`.
+
+use std::path::Path;
+
+use wirework::asset::{OutputFile, printable, same_file, write_files};
+use wirework::{ApplyError, Fault, Job, Report, When, bake};
+
+use crate::args::{Apply, Bake};
+use crate::console::{Console, print};
+use crate::exit::Failure;
+use crate::presets;
+
+pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
+    let bake = bake(args.bake)?;
+    check_report(args)?;
+    let preset = presets::read(console, &args.preset, &args.limits.preset(), args.strict)?;
+    let job = Job {
+        input: args.input.as_deref(),
+        output: args.output.as_deref(),
+        in_place: args.in_place,
+        dry_run: args.dry_run,
+        fps: args.fps,
+        when: match (&args.frames, args.at) {
+            (Some(frames), _) => When::Frames(frames.clone()),
+            (None, Some(seconds)) => When::At(seconds),
+            (None, None) => When::All,
+        },
+        bake,
+        max_targets: args.max_targets,
+        clip: args.clip.as_deref(),
+        into: Some(args.into.as_str()).filter(|into| *into != "new"),
+        limits: args.limits.asset(),
+        threads: args.threads,
+        strict: args.strict,
+        ..Job::new(&preset.parsed.preset, &args.preset)
+    };
+    let job = Job { max_frames: args.limits.max_frames.unwrap_or(job.max_frames), ..job };
+    let report = wirework::apply(&job, &mut |progress| console.progress(progress)).map_err(|error| {
+        console.end_progress();
+        if let ApplyError::Strict(warnings) = &error {
+            for warning in warnings {
+                console.fail(warning);
+            }
+        }
+        Failure::from(error)
+    })?;
+    tell(console, args, &report)?;
+    Ok(())
+}
+
+/// How frames are baked, of what this version can.
+fn bake(asked: Bake) -> Result<bake::Bake, Failure> {
+    let name = match asked {
+        Bake::Auto => return Ok(bake::Bake::Auto),
+        Bake::Frames => return Ok(bake::Bake::Frames),
+        Bake::Keys => "keys",
+        Bake::Basis => "basis",
+        Bake::Skin => "skin",
+    };
+    let message = format!("`--bake {name}` is not available in this version; there are `auto` and `frames`");
+    Err(Failure::new(Fault::Request, message))
+}
+
+/// The report must not take the place of a file that is read or written.
+fn check_report(args: &Apply) -> Result<(), Failure> {
+    let Some(report) = args.report.as_deref().filter(|path| *path != Path::new("-")) else { return Ok(()) };
+    let read = [args.input.as_deref(), Some(args.preset.as_path())].into_iter().flatten();
+    let taken =
+        args.output.as_deref() == Some(report) || read.into_iter().any(|path| same_file(path, report));
+    if taken {
+        let name = printable(&report.display().to_string());
+        return Err(Failure::new(Fault::Request, format!("{name}: the report needs a file of its own")));
+    }
+    Ok(())
+}
+
+fn tell(console: Console, args: &Apply, report: &Report) -> Result<(), Failure> {
+    for warning in &report.warnings {
+        console.warn(warning);
+    }
+    let Report { points, wires, frames, threads, .. } = report;
+    console.detail(&format!(
+        "bind {:.1} ms, deform {:.1} ms, normals {:.1} ms, write {:.1} ms, {threads} threads, {:.0} MB at most",
+        report.bind_ms,
+        report.deform_ms,
+        report.normals_ms,
+        report.write_ms,
+        report.peak_bytes as f64 / 1e6
+    ));
+    let what = match (&args.output, args.dry_run) {
+        (Some(path), false) => format!("wrote {}", printable(&path.display().to_string())),
+        _ => "dry run, nothing is written".to_owned(),
+    };
+    let plural = |n: &usize| if *n == 1 { "" } else { "s" };
+    console.note(&format!(
+        "{what}: {frames} frame{}, {wires} wire{}, {points} point{}, {:.2} s",
+        plural(frames),
+        plural(wires),
+        plural(points),
+        report.total_ms / 1e3
+    ));
+    match args.report.as_deref() {
+        None => Ok(()),
+        Some(path) if path == Path::new("-") => print(report.to_json().as_bytes()),
+        Some(path) => {
+            let file = OutputFile::new(path, report.to_json().into_bytes());
+            write_files(&[file]).map_err(|error| Failure::from(ApplyError::from(error)))
+        }
+    }
+}

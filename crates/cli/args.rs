@@ -1,0 +1,232 @@
+//! The command line as typed.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
+
+/// What stands below the help: the exit codes.
+const EXIT_CODES: &str = "Exit codes:
+  0  done
+  1  the work could not be finished (disk, memory, a bug)
+  2  the command line
+  3  the asset
+  4  the preset
+  5  a limit";
+
+/// Wrinkles and other deformations by wires, for glTF and OBJ models.
+#[derive(Debug, Parser)]
+#[command(name = "wirework", version, after_help = EXIT_CODES, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) talk: Talk,
+}
+
+/// How much is said on standard error.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct Talk {
+    /// Say more: what each phase took
+    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    pub(crate) verbose: bool,
+    /// Say nothing but errors
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+    /// How to tell the progress. Default: a line that counts, on a terminal only
+    #[arg(long, global = true, value_name = "HOW")]
+    pub(crate) progress: Option<ProgressKind>,
+}
+
+/// Forms of progress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProgressKind {
+    /// A line of text for each tenth of the work
+    Plain,
+    /// A JSON object a frame, one a line
+    Json,
+    /// None
+    None,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Apply a preset to a model, and write an animation or a still
+    Apply(Box<Apply>),
+    /// Check presets: syntax, values, and whether they fit their own objects; nothing is written
+    Check(Check),
+    /// Print a preset to begin with: every field, its default, and what it does
+    New(New),
+    /// Print what is in an asset or a preset
+    Inspect(Inspect),
+    /// Print a completion script for a shell
+    Completions(Completions),
+    /// Print the manual page
+    Man,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Apply {
+    /// The preset: a RON file; `-` reads standard input
+    pub(crate) preset: PathBuf,
+    /// The model, .glb, .gltf or .obj; takes the place of the preset's own object
+    pub(crate) input: Option<PathBuf>,
+    /// The file to write, .glb, .gltf or .obj; `####` in the name of an .obj is the number of the frame
+    #[arg(short, long, value_name = "OUT", required_unless_present = "dry_run")]
+    pub(crate) output: Option<PathBuf>,
+    /// Frames a second
+    #[arg(long, default_value_t = 24.0, value_name = "RATE", value_parser = positive)]
+    pub(crate) fps: f64,
+    /// Only frames A up to, but not including, B. Default: from 0 to the end of the effect
+    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with = "at")]
+    pub(crate) frames: Option<Range<u32>>,
+    /// A still of this moment instead of an animation
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) at: Option<f64>,
+    /// How frames become morph targets
+    #[arg(long, value_enum, default_value_t = Bake::Auto)]
+    pub(crate) bake: Bake,
+    /// How far played positions may be off, in parts of the diagonal. In this version every frame is exact
+    #[arg(long, default_value_t = 1e-4, value_name = "T", value_parser = positive)]
+    pub(crate) tolerance: f64,
+    /// The most morph targets a mesh may have, its own counted
+    #[arg(long, default_value_t = 240, value_name = "N")]
+    pub(crate) max_targets: usize,
+    /// The clip of the input that effects look at which depend on one; in this version none does. Default: the first
+    #[arg(long, value_name = "NAME")]
+    pub(crate) clip: Option<String>,
+    /// Add the effect to a clip of the input, by name or number, so that viewers play both; `new` makes a new clip
+    #[arg(long, default_value = "new", value_name = "CLIP")]
+    pub(crate) into: String,
+    /// Write counts and times as JSON to a file; `-` is standard output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Do everything but write
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// How many threads work; the result does not depend on it. Default: one a processor
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
+    /// Allow the output to be the input
+    #[arg(long)]
+    pub(crate) in_place: bool,
+    /// Take warnings as errors
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
+}
+
+/// Ways to bake, those of later versions too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Bake {
+    /// The fewest targets that keep the tolerance; in this version one a frame
+    Auto,
+    /// Key poses; not available in this version
+    Keys,
+    /// A low-rank basis; not available in this version
+    Basis,
+    /// One target a frame
+    Frames,
+    /// Joint tracks; not available in this version
+    Skin,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    /// The presets; `-` reads standard input
+    #[arg(required = true, value_name = "PRESET")]
+    pub(crate) presets: Vec<PathBuf>,
+    /// Take warnings as errors
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct New {
+    /// `deform` or `wrinkle`; `stitch` and `ik` are not available in this version
+    pub(crate) effect: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Inspect {
+    /// A .glb, .gltf, .obj or .ron
+    pub(crate) file: PathBuf,
+    /// As JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Completions {
+    /// The shell
+    pub(crate) shell: Shell,
+}
+
+/// Limits, checked before memory is asked for. Each flag raises, or lowers, one of them.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Limits")]
+#[expect(clippy::struct_field_names, reason = "the fields are the names of the flags")]
+pub(crate) struct LimitArgs {
+    /// Bytes of the input with all files it refers to. Default: 2 GiB
+    #[arg(long, value_name = "N")]
+    pub(crate) max_file_bytes: Option<u64>,
+    /// Bytes of JSON. Default: 256 MiB
+    #[arg(long, value_name = "N")]
+    pub(crate) max_json_bytes: Option<u64>,
+    /// Vertices. Default: 50 million, of a preset's own object 16.7 million
+    #[arg(long, value_name = "N")]
+    pub(crate) max_vertices: Option<u64>,
+    /// Indices, and corners of polygons. Default: 150 million
+    #[arg(long, value_name = "N")]
+    pub(crate) max_indices: Option<u64>,
+    /// Nodes. Default: 1 million
+    #[arg(long, value_name = "N")]
+    pub(crate) max_nodes: Option<u64>,
+    /// Primitives. Default: 65536
+    #[arg(long, value_name = "N")]
+    pub(crate) max_primitives: Option<u64>,
+    /// Bytes that decoding makes of the input. Default: 1 GiB
+    #[arg(long, value_name = "N")]
+    pub(crate) max_expanded_bytes: Option<u64>,
+    /// Bytes of a preset. Default: 16 MiB
+    #[arg(long, value_name = "N")]
+    pub(crate) max_preset_bytes: Option<u64>,
+    /// Frames. Default: 100000
+    #[arg(long, value_name = "N")]
+    pub(crate) max_frames: Option<u32>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("expected a finite number of seconds".to_owned()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("expected a number greater than 0".to_owned()),
+    }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    // More threads than this are a slip of the pen and only cost memory.
+    const MOST: usize = 1024;
+    text.parse().ok().filter(|n| (1..=MOST).contains(n)).ok_or_else(|| format!("expected 1 to {MOST}"))
+}
+
+fn frames(text: &str) -> Result<Range<u32>, String> {
+    const EXPECTED: &str = "expected A..B, two frame numbers, the first less than the second";
+    let (from, to) = text.split_once("..").ok_or(EXPECTED)?;
+    match (from.parse(), to.parse()) {
+        (Ok(from), Ok(to)) if from < to => Ok(from..to),
+        _ => Err(EXPECTED.to_owned()),
+    }
+}

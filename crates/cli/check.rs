@@ -1,0 +1,62 @@
+//! `wirework check`.
+
+use std::path::Path;
+
+use wirework::asset::printable;
+use wirework::{ApplyError, Evaluation, PresetFile, Subject};
+
+use crate::args::Check;
+use crate::console::Console;
+use crate::exit::Failure;
+use crate::presets;
+
+/// Checks every preset; the first failure gives the exit code.
+pub(crate) fn run(console: Console, args: &Check) -> Result<(), Failure> {
+    let mut failure: Option<Failure> = None;
+    for path in &args.presets {
+        match one(console, path, args) {
+            Ok(file) => console.note(&format!("{}: ok", printable(&file))),
+            Err(mut found) => {
+                if let Some(message) = found.message.take() {
+                    console.fail(&message);
+                }
+                failure.get_or_insert(found);
+            }
+        }
+    }
+    failure.map_or(Ok(()), Err)
+}
+
+fn one(console: Console, path: &Path, args: &Check) -> Result<String, Failure> {
+    let preset = presets::read(console, path, &args.limits.preset(), args.strict)?;
+    match fit(&preset, path, args) {
+        Ok(warnings) if args.strict && !warnings.is_empty() => {
+            for warning in &warnings {
+                console.fail(warning);
+            }
+            Err(Failure::from(ApplyError::Strict(warnings)))
+        }
+        Ok(warnings) => {
+            for warning in &warnings {
+                console.warn(warning);
+            }
+            Ok(preset.file)
+        }
+        Err(error) => {
+            let mut failure = Failure::from(error);
+            failure.message =
+                failure.message.map(|message| format!("{}: {message}", printable(&preset.file)));
+            Err(failure)
+        }
+    }
+}
+
+/// Whether a preset fits its own object, where it has one.
+fn fit(preset: &PresetFile, path: &Path, args: &Check) -> Result<Vec<String>, ApplyError> {
+    let preset = &preset.parsed.preset;
+    let Some(object) = &preset.object else { return Ok(Vec::new()) };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let subject = Subject::from_object(object, folder, "object", &args.limits.asset())?;
+    Evaluation::new(&preset.effect, &subject.points, &subject.triangles)?;
+    Ok(subject.warnings())
+}

@@ -1,0 +1,67 @@
+//! Errors and warnings of presets with the line they are about and a caret.
+
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use wirework::asset::printable;
+use wirework::preset::PresetError;
+use wirework::{Fault, PresetFile, PresetFileError};
+
+use crate::console::{Console, say};
+use crate::exit::Failure;
+
+/// How many are shown of one file: more scroll away.
+const MOST: usize = 20;
+
+/// A byte order mark. It is no character of the first line.
+const MARK: &str = "\u{feff}";
+
+/// Says why a preset is refused.
+pub(crate) fn refuse(console: Console, error: &PresetFileError) -> Failure {
+    match error {
+        PresetFileError::Content { file, text, errors } => {
+            for error in errors.errors().iter().take(MOST) {
+                say(&draw(console, Level::ERROR, file, text, error));
+            }
+            if errors.errors().len() > MOST {
+                say(&format!("and {} more errors", errors.errors().len() - MOST));
+            }
+            Failure::said(if errors.is_limit() { Fault::Limit } else { Fault::Preset })
+        }
+        other => Failure::new(Fault::Preset, other.to_string()),
+    }
+}
+
+/// Shows the warnings of a preset; with `strict` they are errors and end the work.
+pub(crate) fn warn(console: Console, preset: &PresetFile, strict: bool) -> Result<(), Failure> {
+    let warnings = &preset.parsed.warnings;
+    for warning in warnings.iter().take(MOST) {
+        let level = if strict { Level::ERROR } else { Level::WARNING };
+        let text = draw(console, level, &preset.file, &preset.text, warning);
+        if strict { say(&text) } else { console.note(&text) }
+    }
+    if warnings.len() > MOST {
+        console.note(&format!("and {} more warnings", warnings.len() - MOST));
+    }
+    if strict && !warnings.is_empty() { Err(Failure::said(Fault::Preset)) } else { Ok(()) }
+}
+
+fn draw(console: Console, level: Level<'_>, file: &str, text: &[u8], error: &PresetError) -> String {
+    let valid = match std::str::from_utf8(text) {
+        Ok(text) => text,
+        Err(error) => str::from_utf8(&text[..error.valid_up_to()]).unwrap_or_default(),
+    };
+    let (source, offset) = valid.strip_prefix(MARK).map_or((valid, 0), |source| (source, MARK.len()));
+    let bound = |byte: usize| source.floor_char_boundary(byte.saturating_sub(offset).min(source.len()));
+    let (start, end) = (bound(error.span.start), bound(error.span.end));
+    // A span over many lines is shown by its first: a caret under a whole wire would be many lines long.
+    let line = source[start..end.max(start)].find(['\n', '\r']).map_or(end.max(start), |at| start + at);
+    let path = printable(file);
+    let place = if error.path.is_empty() { String::new() } else { format!("at {}", printable(&error.path)) };
+    let annotation = AnnotationKind::Primary.span(start..line).label(place);
+    let snippet = Snippet::source(source).path(&path).line_start(1).annotation(annotation);
+    let mut group = level.primary_title(&error.message).element(snippet);
+    if let Some(help) = &error.help {
+        group = group.element(Level::HELP.message(help));
+    }
+    let renderer = if console.color() { Renderer::styled() } else { Renderer::plain() };
+    renderer.render(&[group])
+}

@@ -1,0 +1,258 @@
+//! What is in an asset or a preset, as plain facts.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::Value;
+use wirework_asset::{Gltf, Limits};
+use wirework_preset::{Effect, Object, Parsed, Shape};
+use wirework_surface::{Bounds, Mesh};
+use wirework_wrinkle::Pattern;
+
+use crate::ApplyError;
+use crate::subject::{Model, Subject};
+
+/// What is in a glTF or OBJ file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct AssetFacts {
+    /// `glb`, `gltf` or `obj`.
+    pub container: &'static str,
+    /// Vertices that the scene shows, a mesh once for each of its nodes.
+    pub vertices: usize,
+    /// Triangles that it shows.
+    pub triangles: usize,
+    /// The box round what is shown at rest, in world space.
+    pub bounds: Option<BoundsFacts>,
+    /// Nodes of the document.
+    pub nodes: usize,
+    /// Meshes.
+    pub meshes: Vec<MeshFacts>,
+    /// Names of the materials.
+    pub materials: Vec<Option<String>>,
+    /// Skins.
+    pub skins: Vec<SkinFacts>,
+    /// Animations.
+    pub animations: Vec<AnimationFacts>,
+    /// Extensions that are used.
+    pub extensions_used: Vec<String>,
+    /// Extensions that a reader must know.
+    pub extensions_required: Vec<String>,
+    /// What is not right, and what is done about it.
+    pub warnings: Vec<String>,
+}
+
+/// A box.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct BoundsFacts {
+    /// The least coordinates.
+    pub min: [f32; 3],
+    /// The greatest coordinates.
+    pub max: [f32; 3],
+}
+
+/// A mesh.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct MeshFacts {
+    /// Its name.
+    pub name: Option<String>,
+    /// Its primitives.
+    pub primitives: usize,
+    /// Their vertices; those that primitives share count once.
+    pub vertices: usize,
+    /// Their triangles; in an OBJ those its polygons are cut into.
+    pub triangles: usize,
+    /// Its morph targets.
+    pub morph_targets: usize,
+}
+
+/// A skin.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct SkinFacts {
+    /// Its name.
+    pub name: Option<String>,
+    /// How many joints it has.
+    pub joints: usize,
+}
+
+/// An animation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct AnimationFacts {
+    /// Its name.
+    pub name: Option<String>,
+    /// Its channels.
+    pub channels: usize,
+    /// The time of its last key, seconds.
+    pub duration: f64,
+}
+
+/// Reads an asset, its geometry too, and tells what is in it.
+///
+/// # Errors
+///
+/// As [`Subject::read`].
+pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, ApplyError> {
+    let subject = Subject::read(path, limits)?;
+    let warnings = subject.warnings();
+    let mut facts = match &subject.model {
+        Model::Mesh { mesh, .. } => {
+            AssetFacts { container: "obj", meshes: vec![of_mesh(mesh, &subject)], ..AssetFacts::default() }
+        }
+        Model::Gltf { gltf, .. } => of_document(gltf, path),
+    };
+    facts.vertices = subject.position_count();
+    facts.triangles = subject.triangles.len();
+    facts.bounds = Bounds::of(&subject.points).map(|b| BoundsFacts { min: b.min, max: b.max });
+    facts.warnings = warnings;
+    Ok(facts)
+}
+
+fn of_mesh(mesh: &Mesh, subject: &Subject) -> MeshFacts {
+    let (vertices, triangles) = (mesh.positions.len(), subject.triangles.len());
+    MeshFacts { primitives: 1, vertices, triangles, ..MeshFacts::default() }
+}
+
+fn of_document(gltf: &Gltf, path: &Path) -> AssetFacts {
+    let json = gltf.json();
+    let names =
+        |key: &str| list(json, key).iter().filter_map(|name| name.as_str().map(str::to_owned)).collect();
+    let skin = |skin: &Value| SkinFacts { name: name(skin), joints: list(skin, "joints").len() };
+    let mut magic = [0; 4];
+    let binary =
+        File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok_and(|()| &magic == b"glTF");
+    AssetFacts {
+        container: if binary { "glb" } else { "gltf" },
+        nodes: gltf.node_count(),
+        meshes: list(json, "meshes").iter().map(|mesh| of_gltf_mesh(json, mesh)).collect(),
+        materials: list(json, "materials").iter().map(name).collect(),
+        skins: list(json, "skins").iter().map(skin).collect(),
+        animations: list(json, "animations").iter().map(|animation| of_animation(json, animation)).collect(),
+        extensions_used: names("extensionsUsed"),
+        extensions_required: names("extensionsRequired"),
+        ..AssetFacts::default()
+    }
+}
+
+fn of_gltf_mesh(json: &Value, mesh: &Value) -> MeshFacts {
+    let count = |accessor: Option<usize>| {
+        let accessor = accessor.and_then(|index| list(json, "accessors").get(index));
+        accessor.and_then(|accessor| number(accessor, "count")).unwrap_or(0)
+    };
+    let primitives = list(mesh, "primitives");
+    let mut facts = MeshFacts { name: name(mesh), primitives: primitives.len(), ..MeshFacts::default() };
+    let mut seen = Vec::new();
+    for primitive in primitives {
+        let position = primitive.get("attributes").and_then(|attributes| number(attributes, "POSITION"));
+        if !seen.contains(&position) {
+            facts.vertices += count(position);
+            seen.push(position);
+        }
+        let corners =
+            number(primitive, "indices").map_or_else(|| count(position), |index| count(Some(index)));
+        facts.triangles += match number(primitive, "mode").unwrap_or(4) {
+            4 => corners / 3,
+            5 | 6 => corners.saturating_sub(2),
+            _ => 0,
+        };
+        facts.morph_targets = facts.morph_targets.max(list(primitive, "targets").len());
+    }
+    facts
+}
+
+fn of_animation(json: &Value, animation: &Value) -> AnimationFacts {
+    let end = |sampler: &Value| {
+        let input = list(json, "accessors").get(number(sampler, "input")?)?;
+        list(input, "max").first()?.as_f64()
+    };
+    AnimationFacts {
+        name: name(animation),
+        channels: list(animation, "channels").len(),
+        duration: list(animation, "samplers").iter().filter_map(end).fold(0.0, f64::max),
+    }
+}
+
+fn list<'a>(json: &'a Value, key: &str) -> &'a [Value] {
+    json.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+fn name(json: &Value) -> Option<String> {
+    json.get("name")?.as_str().map(str::to_owned)
+}
+
+fn number(json: &Value, key: &str) -> Option<usize> {
+    json.get(key)?.as_u64()?.try_into().ok()
+}
+
+/// What is in a preset.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct PresetFacts {
+    /// The kind of its own object, if it has one: `Grid`, `File` and so on.
+    pub object: Option<&'static str>,
+    /// Its effects in their order, one unless it is a stack.
+    pub effects: Vec<EffectFacts>,
+    /// Its length in seconds.
+    pub duration: f64,
+    /// Whether anything moves in time.
+    pub animated: bool,
+    /// What is hardly meant.
+    pub warnings: Vec<String>,
+}
+
+/// An effect of a preset.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct EffectFacts {
+    /// `Deform` or `Wrinkle`.
+    pub effect: &'static str,
+    /// How many wires it draws.
+    pub wires: usize,
+}
+
+impl PresetFacts {
+    /// The facts of a preset that has been read.
+    pub fn of(parsed: &Parsed) -> Self {
+        let preset = &parsed.preset;
+        let mut effects = Vec::new();
+        of_effect(&preset.effect, &mut effects);
+        Self {
+            object: preset.object.as_ref().map(of_object),
+            effects,
+            duration: preset.duration,
+            animated: preset.animated,
+            warnings: parsed.warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+fn of_effect(effect: &Effect, out: &mut Vec<EffectFacts>) {
+    match effect {
+        Effect::Deform(deform) => out.push(EffectFacts { effect: "Deform", wires: deform.wires.len() }),
+        Effect::Wrinkle(wrinkle) => {
+            let wires = match &wrinkle.pattern {
+                Pattern::Drawn(curves) => curves.len(),
+                _ => 0,
+            };
+            out.push(EffectFacts { effect: "Wrinkle", wires });
+        }
+        Effect::Stack(effects) => effects.iter().for_each(|effect| of_effect(effect, out)),
+    }
+}
+
+fn of_object(object: &Object) -> &'static str {
+    match &object.shape {
+        Shape::Grid { .. } => "Grid",
+        Shape::Tube { .. } => "Tube",
+        Shape::Sphere { .. } => "Sphere",
+        Shape::Box { .. } => "Box",
+        Shape::Points(_) => "Points",
+        Shape::Patch { .. } => "Patch",
+        Shape::File(_) => "File",
+    }
+}

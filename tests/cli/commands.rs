@@ -1,0 +1,134 @@
+//! The smaller commands: `new`, `check`, `inspect`, `completions`, `man`, and the presets of the project.
+
+use std::path::{Path, PathBuf};
+
+use gltf::json::Value;
+
+use crate::place::Place;
+
+fn presets() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets");
+    let mut found = Vec::new();
+    for folder in std::fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path()) {
+        if folder.is_dir() {
+            found.extend(std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()));
+        }
+    }
+    found.retain(|path| path.extension().is_some_and(|extension| extension == "ron"));
+    found.sort();
+    assert!(found.len() >= 7);
+    found
+}
+
+#[test]
+fn every_preset_runs_as_it_stands() {
+    let place = Place::new();
+    for preset in presets() {
+        let preset = preset.to_str().unwrap();
+        let done = place.run_with(["apply", preset, "-o", "out.glb", "--strict"], b"").expect(0);
+        assert!(!done.err().contains("warning"), "{}", done.err());
+        let document = gltf::Gltf::from_slice(&place.read("out.glb")).unwrap();
+        let clip = document.animations().next().unwrap_or_else(|| panic!("{preset}: a clip"));
+        assert_eq!(clip.name(), Some("wirework"));
+        let name = Path::new(preset).file_stem().unwrap().to_str();
+        assert_eq!(document.nodes().next().unwrap().name(), name, "a node is called as its preset");
+        place.run_with(["apply", preset, "-o", "out.obj", "--at", "1"], b"").expect(0);
+    }
+}
+
+#[test]
+fn what_new_prints_is_good_and_runs() {
+    let place = Place::new();
+    for effect in ["deform", "wrinkle", "Wrinkle"] {
+        let printed = place.run(&format!("new {effect}")).expect(0);
+        assert_eq!(printed.err(), "");
+        let checked = place.run_with(["check", "-", "--strict"], printed.out().as_bytes()).expect(0);
+        assert_eq!(checked.err(), "<stdin>: ok\n");
+        place.run_with(["apply", "-", "-o", "out.glb"], printed.out().as_bytes()).expect(0);
+    }
+    let err = place.run("new ik").err();
+    assert!(err.contains("not available in this version") && err.contains("deform"), "{err}");
+}
+
+#[test]
+fn check_says_which_are_good() {
+    let place = Place::new();
+    place.write("bad.ron", "Deform()");
+    let done = place.run("check lift.ron bad.ron lift.ron").expect(4);
+    assert_eq!(done.err().matches("lift.ron: ok").count(), 2, "{}", done.err());
+    assert_eq!(done.out(), "");
+    assert_eq!(place.run("check -q lift.ron").expect(0).err(), "");
+}
+
+#[test]
+fn inspect_tells_what_apply_made() {
+    let place = Place::new();
+    place.run("apply lift.ron -o lift.glb").expect(0);
+    let done = place.run("inspect lift.glb --json").expect(0);
+    let facts: Value = gltf::json::deserialize::from_str(&done.out()).unwrap();
+    assert_eq!((facts["container"].as_str(), facts["vertices"].as_u64()), (Some("glb"), Some(289)));
+    assert_eq!((facts["triangles"].as_u64(), facts["nodes"].as_u64()), (Some(512), Some(1)));
+    assert_eq!(facts["meshes"][0]["morph_targets"].as_u64(), Some(24));
+    assert_eq!(facts["animations"][0]["name"].as_str(), Some("wirework"));
+    assert_eq!(facts["animations"][0]["duration"].as_f64(), Some(1.0));
+    assert_eq!(facts["bounds"]["max"][0].as_f64(), Some(1.0));
+    let table = place.run("inspect lift.glb").expect(0).out();
+    for part in [
+        "289 vertices",
+        "512 triangles",
+        "24 morph targets",
+        "\"wirework\": 1 s, 1 channel",
+        "(-1, 0, -1) to (1, 0, 1)",
+    ] {
+        assert!(table.contains(part), "{part} in\n{table}");
+    }
+    place.run("apply lift.ron -o lift.obj --at 0").expect(0);
+    let table = place.run("inspect lift.obj").expect(0).out();
+    assert!(table.contains("container    obj") && table.contains("289 vertices, 512 triangles"), "{table}");
+}
+
+#[test]
+fn inspect_reads_presets() {
+    let place = Place::new();
+    let table = place.run("inspect lift.ron").expect(0).out();
+    assert_eq!(table, "object       Grid\neffect 0     Deform: 1 wire\nduration     1 s\nanimated     yes\n");
+    let done = place.run("inspect lift.ron --json").expect(0);
+    let facts: Value = gltf::json::deserialize::from_str(&done.out()).unwrap();
+    assert_eq!(facts["effects"][0]["wires"].as_u64(), Some(1));
+    assert_eq!(facts["animated"].as_bool(), Some(true));
+}
+
+#[test]
+fn shells_get_completions_and_readers_a_manual() {
+    let place = Place::new();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let done = place.run(&format!("completions {shell}")).expect(0);
+        assert!(done.out().contains("max-targets") && done.err().is_empty(), "{shell}");
+    }
+    let man = place.run("man").expect(0).out();
+    assert!(man.starts_with(".ie") || man.starts_with(".TH"), "{}", &man[..40]);
+    assert!(man.contains("max\\-targets"));
+}
+
+#[test]
+fn help_names_what_there_is_and_no_more() {
+    let place = Place::new();
+    let help = place.run("--help").expect(0).out();
+    for command in ["apply", "check", "new", "inspect", "completions", "man", "Exit codes"] {
+        assert!(help.contains(command), "{command}");
+    }
+    assert!(!help.contains("render"));
+}
+
+#[test]
+fn progress_is_told_in_the_form_that_is_asked_for() {
+    let place = Place::new();
+    let apply = |flags: &str| place.run(&format!("apply lift.ron -o out.glb -q {flags}")).expect(0).err();
+    assert_eq!(apply(""), "", "no terminal, no counter");
+    assert_eq!(apply("--progress none"), "");
+    let json = apply("--progress json");
+    assert_eq!(json.lines().count(), 25);
+    assert_eq!(json.lines().last(), Some("{\"done\":25,\"frames\":25}"));
+    let plain = apply("--progress plain");
+    assert!(plain.ends_with("frame 25 of 25\n") && plain.lines().count() <= 11, "{plain}");
+}
