@@ -14,6 +14,9 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     let bake = bake(args.bake)?;
     check_report(args)?;
     let preset = presets::read(console, &args.preset, &args.limits.preset(), args.strict)?;
+    // One from standard input stands in the current folder, and its object needs a name.
+    let preset_path =
+        if args.preset == Path::new("-") { Path::new("preset.ron") } else { args.preset.as_path() };
     let job = Job {
         input: args.input.as_deref(),
         output: args.output.as_deref(),
@@ -32,7 +35,7 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
         limits: args.limits.asset(),
         threads: args.threads,
         strict: args.strict,
-        ..Job::new(&preset.parsed.preset, &args.preset)
+        ..Job::new(&preset.parsed.preset, preset_path)
     };
     let job = Job { max_frames: args.limits.max_frames.unwrap_or(job.max_frames), ..job };
     let report = wirework::apply(&job, &mut |progress| console.progress(progress)).map_err(|error| {

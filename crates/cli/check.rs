@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use wirework::asset::printable;
-use wirework::{ApplyError, Evaluation, PresetFile, Subject};
+use wirework::{ApplyError, PresetFile, Subject};
 
 use crate::args::Check;
 use crate::console::Console;
@@ -57,6 +57,6 @@ fn fit(preset: &PresetFile, path: &Path, args: &Check) -> Result<Vec<String>, Ap
     let Some(object) = &preset.object else { return Ok(Vec::new()) };
     let folder = path.parent().unwrap_or(Path::new(""));
     let subject = Subject::from_object(object, folder, "object", &args.limits.asset())?;
-    Evaluation::new(&preset.effect, &subject.points, &subject.triangles)?;
+    subject.bind(&preset.effect)?;
     Ok(subject.warnings())
 }

@@ -12,7 +12,7 @@ use crate::error::count;
 use crate::output::{Pattern, Scene, Target, scene_mesh};
 use crate::report::peak_bytes;
 use crate::shade::{Vertices, own_normals};
-use crate::subject::{Model, Subject, stem};
+use crate::subject::{Model, Subject, stem, unfit};
 use crate::{ApplyError, Evaluation, Report, Schedule, When, schedule};
 
 /// What to apply, to what, and how.
@@ -112,8 +112,8 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         warnings: subject.warnings(),
         ..Report::default()
     };
-    let Subject { points, triangles, model, point_of } = subject;
-    let evaluation = Evaluation::new(&preset.effect, &points, &triangles)?;
+    let Subject { points, triangles, model, point_of, own } = subject;
+    let evaluation = Evaluation::new(&preset.effect, &points, &triangles).map_err(unfit(own))?;
     let mut film = Film {
         now: points.clone(),
         points: &points,
@@ -163,6 +163,10 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, ApplyError> {
         };
     };
     guard(job, path)?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !job.dry_run && !folder.is_dir()) {
+        return Err(ApplyError::NoFolder(folder.to_path_buf()));
+    }
     let name = wirework_asset::printable(&path.display().to_string());
     let Some(target) = Target::of(path) else {
         return request(&format!("{name}: found another extension, expected .glb, .gltf or .obj"));

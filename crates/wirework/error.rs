@@ -69,6 +69,9 @@ pub enum ApplyError {
     /// The effect does not fit the object.
     #[error("the effect cannot be applied: {0}")]
     Evaluate(#[from] EvaluateError),
+    /// The effect does not fit the object that its own preset brings along.
+    #[error("the effect does not fit the preset's object: {0}")]
+    OwnObject(EvaluateError),
     /// The effect throws a point out of the range of numbers.
     #[error("at {seconds} s the effect moves point {point} out of the range of 32-bit floats")]
     OutOfRange {
@@ -89,6 +92,9 @@ pub enum ApplyError {
     /// There are warnings, and the request was to take them as errors.
     #[error("{} taken as errors, nothing was written", count(.0.len(), "warning"))]
     Strict(Vec<String>),
+    /// The folder of the output is not there.
+    #[error("{}: found no such folder, expected a folder to write into", printable(&.0.display().to_string()))]
+    NoFolder(PathBuf),
     /// A pool of threads cannot be started.
     #[error("{0} threads cannot be started: {1}")]
     Threads(usize, String),
@@ -101,6 +107,10 @@ impl ApplyError {
             Self::Asset(error) | Self::Bake(BakeError::Asset(error)) => of_asset(error),
             Self::UnknownFile { .. } | Self::Mesh(_) | Self::Strict(_) => Fault::Asset,
             Self::Evaluate(error) => of_evaluation(error),
+            Self::OwnObject(error) => match of_evaluation(error) {
+                Fault::Asset => Fault::Preset,
+                other => other,
+            },
             Self::NoObject
             | Self::Object(_)
             | Self::PlacedScene { .. }
@@ -110,7 +120,7 @@ impl ApplyError {
                 Fault::Limit
             }
             Self::Schedule(_) | Self::Request(_) => Fault::Request,
-            Self::Normals(_) | Self::Bake(_) | Self::Threads(..) => Fault::Work,
+            Self::Normals(_) | Self::Bake(_) | Self::NoFolder(_) | Self::Threads(..) => Fault::Work,
         }
     }
 }

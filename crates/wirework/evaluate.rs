@@ -227,3 +227,62 @@ impl Stage<'_> {
         result.map_err(|error| EvaluateError::Bind { effect: self.index, error })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use wirework_preset::{Limits, Preset, parse};
+    use wirework_surface::grid;
+
+    use super::*;
+
+    const RAISED: &str =
+        "curve: Polyline(points: [(-1, 0, 0), (1, 0, 0)]), radius: 0.5, pose: [(-1, 1, 0), (1, 1, 0)]";
+    const RISING: &str = "curve: Polyline(points: [(-1, 1, 0), (1, 1, 0)]), radius: 0.5, \
+                          pose: Keys([(0, [(-1, 1, 0), (1, 1, 0)]), (1, [(-1, 2, 0), (1, 2, 0)])])";
+
+    fn stack(first: &str, second: &str) -> Preset {
+        let text =
+            format!("Stack([Deform(wires: [Wire({first})]), Stack([Deform(wires: [Wire({second})])])])");
+        parse(text.as_bytes(), &Limits::default()).unwrap().preset
+    }
+
+    /// The height of the middle at each time, and whether anything was bound after the first.
+    fn heights(preset: &Preset, times: &[f64]) -> (Vec<f32>, bool) {
+        let mesh = grid([2.0, 2.0], [4, 4], [0.0, 1.0, 0.0]).unwrap();
+        let mut effect = Evaluation::new(&preset.effect, &mesh.positions, &[]).unwrap();
+        let mut out = mesh.positions.clone();
+        let mut bound = Vec::new();
+        let mut at = |&time: &f64| {
+            effect.at(time, &mut out).unwrap();
+            bound.push(effect.spent().bind);
+            out[12][1]
+        };
+        let heights = times.iter().map(&mut at).collect();
+        (heights, bound.first() != bound.last())
+    }
+
+    #[test]
+    fn a_stack_binds_again_only_where_the_result_before_has_changed() {
+        let (found, again) = heights(&stack(RAISED, RISING), &[0.0, 0.5, 1.0]);
+        assert_eq!((found, again), (vec![1.0, 1.5, 2.0], false));
+        // Before 1 s the first effect has not come to where the second lies; then it has left the ground.
+        let down =
+            "curve: Polyline(points: [(-1, 2, 0), (1, 2, 0)]), radius: 0.5, pose: [(-1, 5, 0), (1, 5, 0)]";
+        let rising = RISING.replace("(-1, 1, 0), (1, 1, 0)", "(-1, 0, 0), (1, 0, 0)");
+        let (found, again) = heights(&stack(&rising, down), &[0.0, 0.5, 1.0]);
+        assert_eq!((found, again), (vec![0.0, 1.0, 5.0], true));
+    }
+
+    #[test]
+    fn effects_that_reach_nothing_are_named_and_buffers_checked() {
+        let far = RAISED.replace("0, 0)", "9, 9)").replace("1, 0)", "9, 9)");
+        let preset = stack(&far, RAISED);
+        let mesh = grid([2.0, 2.0], [4, 4], [0.0, 1.0, 0.0]).unwrap();
+        let mut effect = Evaluation::new(&preset.effect, &mesh.positions, &[]).unwrap();
+        let mut out = mesh.positions.clone();
+        effect.at(0.0, &mut out).unwrap();
+        assert_eq!(effect.idle().collect::<Vec<_>>(), [0]);
+        assert_eq!(effect.wire_count(), 2);
+        assert_eq!(effect.at(0.0, &mut out[1..]), Err(EvaluateError::PointCount { points: 25, found: 24 }));
+    }
+}

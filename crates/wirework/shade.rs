@@ -93,16 +93,18 @@ pub(crate) fn own_normals(mesh: &Mesh, point_of: &[u32]) -> Result<(Mesh, Option
     if shared {
         (out.normals, owners) = split(&mut out.corners, &mesh.normals);
     }
-    // Corners without a normal still make faces that turn their neighbours: each position gets a last vertex.
+    // Corners without a normal still make faces that turn their neighbours: each position then gets a last vertex.
     let count = out.normals.len() as u32;
+    let bare = if mesh.corners.iter().any(|corner| corner.normal.is_none()) {
+        mesh.positions.len() as u32
+    } else {
+        0
+    };
     let vertex = |corner: &Corner| corner.normal.unwrap_or(count + corner.position);
     let triangles: Vec<[u32; 3]> =
         out.corner_triangles()?.iter().map(|t| t.map(|c| vertex(&out.corners[c as usize]))).collect();
-    let positions = owners
-        .iter()
-        .map(|owner| owner.unwrap_or(0))
-        .chain(0..mesh.positions.len() as u32)
-        .map(|position| position as usize);
+    let positions =
+        owners.iter().map(|owner| owner.unwrap_or(0)).chain(0..bare).map(|position| position as usize);
     let rest: Vec<[f32; 3]> =
         positions.clone().map(|i| mesh.positions.get(i).copied().unwrap_or_default()).collect();
     let points = positions.map(|i| point_of.get(i).copied().unwrap_or(0)).collect();

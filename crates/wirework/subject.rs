@@ -5,11 +5,11 @@ use std::io::Read;
 use std::path::Path;
 
 use wirework_asset::{AssetError, Gltf, Limits, Obj, Rest};
-use wirework_preset::Object;
+use wirework_preset::{Effect, Object};
 use wirework_surface::{Mesh, Transform};
 
-use crate::ApplyError;
 use crate::weld::Weld;
+use crate::{ApplyError, EvaluateError, Evaluation};
 
 /// An object ready for an effect.
 #[derive(Clone, Debug)]
@@ -22,6 +22,8 @@ pub struct Subject {
     pub model: Model,
     /// For each position of the model its point.
     pub(crate) point_of: Vec<u32>,
+    /// Whether it is made of numbers in a preset.
+    pub(crate) own: bool,
 }
 
 /// A model in the form that it came in.
@@ -102,7 +104,8 @@ impl Subject {
         limits: &Limits,
     ) -> Result<Self, ApplyError> {
         let Some(path) = object.file(preset_dir) else {
-            return Self::from_mesh(name, object.build()?.unwrap_or_default());
+            let subject = Self::from_mesh(name, object.build()?.unwrap_or_default())?;
+            return Ok(Self { own: true, ..subject });
         };
         let subject = Self::read(&path, limits)?;
         if object.transform == Transform::default() {
@@ -144,18 +147,33 @@ impl Subject {
         let weld = Weld::new(&rest.positions);
         let triangles = weld.triangles(&rest.triangles);
         let model = Model::Gltf { gltf: Box::new(gltf), rest: Box::new(rest) };
-        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of })
+        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, own: false })
     }
 
     fn new(model: Model) -> Result<Self, ApplyError> {
         let Model::Mesh { mesh, obj, .. } = &model else {
-            return Ok(Self { points: Vec::new(), triangles: Vec::new(), model, point_of: Vec::new() });
+            return Ok(Self {
+                points: Vec::new(),
+                triangles: Vec::new(),
+                model,
+                point_of: Vec::new(),
+                own: false,
+            });
         };
         let triangles = mesh.triangles()?;
         // Primitives list each position once; files may not.
         let weld = if obj.is_some() { Weld::new(&mesh.positions) } else { Weld::distinct(&mesh.positions) };
         let triangles = weld.triangles(&triangles);
-        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of })
+        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, own: false })
+    }
+
+    /// Binds an effect to the points.
+    ///
+    /// # Errors
+    ///
+    /// The effect does not fit the object.
+    pub fn bind<'a>(&'a self, effect: &'a Effect) -> Result<Evaluation<'a>, ApplyError> {
+        Evaluation::new(effect, &self.points, &self.triangles).map_err(unfit(self.own))
     }
 
     /// How many positions the model has in its own form: those of a mesh, the vertices of a scene.
@@ -178,6 +196,11 @@ impl Subject {
             }
         }
     }
+}
+
+/// Whose fault it is that an effect does not fit an object: the preset's, where it brings the object along.
+pub(crate) fn unfit(own: bool) -> impl Fn(EvaluateError) -> ApplyError {
+    move |error| if own { ApplyError::OwnObject(error) } else { ApplyError::Evaluate(error) }
 }
 
 /// The name of a file without folder and extension.

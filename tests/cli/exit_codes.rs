@@ -25,6 +25,10 @@ fn place() -> Place {
          pose: [(-1, 1e38, 0), (1, 1e38, 0)], amplitude: 1e30)])",
     );
     place.write("long.ron", "Deform(duration: 1e9, object: Points([(0, 0, 0)]), wires: [Wire(curve: Polyline(points: [(0, 0, 0)]), amplitude: Keys([(0, 0), (1, 1)]), twist: 1)])");
+    place.write(
+        "cloud.ron",
+        "Wrinkle(object: Points([(0, 0, 0)]), pattern: Drawn([Polyline(points: [(0, 0, 0), (1, 0, 0)])]))",
+    );
     place.write("bad.glb", "glTF");
     place.write("bad.obj", "v 0 0 0\nf 1 2 3\n");
     place.write("text.txt", "hello");
@@ -83,6 +87,8 @@ fn every_failure_has_its_exit_code() {
         (4, "check lift.ron typo.ron none.ron"),
         (4, "check ."),
         (4, "inspect typo.ron"),
+        (4, "apply cloud.ron -o out.glb"),
+        (4, "check cloud.ron"),
         // 5, a limit.
         (5, "apply huge.ron -o out.glb"),
         (5, "apply long.ron -o out.glb"),

@@ -104,10 +104,10 @@ impl Feet {
         let lane = lane & (BLOCK - 1);
         let distance = piece.cubic.at(s).distance(block.at(lane));
         let (best, tie) = (self.distance[lane], block.tie[lane]);
-        let t = piece.t0 + piece.width * s;
-        let earlier = (piece.span, t) < (self.span[lane], self.t[lane]);
+        let (span, t) = piece.place(s);
+        let earlier = (span, t) < (self.span[lane], self.t[lane]);
         if distance < best - tie || (distance <= best + tie && (earlier || best == f64::INFINITY)) {
-            (self.distance[lane], self.span[lane], self.t[lane]) = (distance, piece.span, t);
+            (self.distance[lane], self.span[lane], self.t[lane]) = (distance, span, t);
             let useful = distance + tie;
             self.reach[lane] = if useful < self.reach[lane] { useful } else { self.reach[lane] };
         }

@@ -94,6 +94,7 @@ impl Pieces {
                 _ => Some(rows[i - 1]),
             };
             piece.last = i + 1 == count && !spans.closed;
+            piece.closes = i + 1 == count && spans.closed;
         }
         let radius = list.iter().map(Piece::outermost).fold(0.0, f64::max);
         Self {
@@ -232,6 +233,22 @@ mod tests {
         let square = Curve::new(CurveKind::Polyline, true, square).unwrap();
         assert_eq!(square.closest([0.0; 3]).unwrap().u, 0.125);
         assert_eq!(square.closest([2.0, 2.0, 0.0]).unwrap().u, 0.0);
+    }
+
+    #[test]
+    fn where_a_closed_curve_closes_the_parameter_is_zero() {
+        // Passes through its start once more, halfway.
+        let points = vec![[0.0; 3], [0.3, -0.7, 0.0], [-0.7, 0.0, -0.7], [0.7, 0.0, 0.7], [-0.3, 0.7, 0.0]];
+        let curve = Curve::new(CurveKind::Polyline, true, points).unwrap();
+        assert_eq!(curve.closest([0.0; 3]).unwrap().u, 0.0);
+        for i in 0..50_u8 {
+            // Symmetric about its start: rounding decides on which side of it the foot is found.
+            let a = 0.1 + f32::from(i) * 0.013;
+            let points = vec![[a, 0.0, 0.0], [0.0, 0.0, a], [-a, 0.0, 0.0], [0.0, 0.0, -a]];
+            let curve = Curve::new(CurveKind::BSpline { degree: 2 }, true, points).unwrap();
+            let start = curve.point(0.0);
+            assert!(curve.closest(start.map(|c| c * 3.0)).unwrap().u < 1e-6, "{a}");
+        }
     }
 
     #[test]

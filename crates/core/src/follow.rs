@@ -215,6 +215,7 @@ impl Turns {
         }
         let mut walk = Walk::new(r, w, places);
         self.joints.push(walk.vector.as_vec3().to_array());
+        walk.turn_corner((0, 0));
         for k in 1..self.breaks.len() {
             let (x0, x1) = (self.breaks[k - 1], self.breaks[k]);
             let spans = walk.spans(0.5 * (x0 + x1));

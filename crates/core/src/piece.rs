@@ -26,6 +26,9 @@ const SETTLED: f64 = 1e-8;
 /// Bounds of distances are widened by this part, more than they can be wrong by rounding.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
+/// A foot within this of a closed curve's end, in parts of a piece, is at its start: rounding puts it on either side.
+const CLOSED: f64 = 1e-12;
+
 // What a point has on a piece; a mark is a sum of these, kept as a number among numbers.
 /// The piece's start is a foot.
 const START: f64 = 1.0;
@@ -39,9 +42,9 @@ const SEVERAL: f64 = 8.0;
 /// A stretch of one segment, `s ∈ [0, 1]`.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
-    pub(crate) span: u32,
-    pub(crate) t0: f64,
-    pub(crate) width: f64,
+    span: u32,
+    t0: f64,
+    width: f64,
     pub(crate) cubic: Cubic,
     /// Powers of `R·R′`; those of `P·R′` are taken from the cubic.
     powers: [f64; 6],
@@ -52,6 +55,8 @@ pub(crate) struct Piece {
     pub(crate) before: Option<(f64, DVec3)>,
     /// Whether the curve ends here.
     pub(crate) last: bool,
+    /// Whether a closed curve comes back to its start here.
+    pub(crate) closes: bool,
     /// The chord's start, direction and inverse squared length, and how far the piece strays from it.
     chord: (DVec3, DVec3, f64),
     pub(crate) stray: f64,
@@ -83,10 +88,17 @@ impl Piece {
             powers,
             before: None,
             last: false,
+            closes: false,
             chord: (start, chord, inverse),
             stray,
             cubic,
         }
+    }
+
+    /// Segment and place in it at `s`; where a closed curve closes, its start: of two parameters the smaller.
+    #[inline(always)]
+    pub(crate) fn place(&self, s: f64) -> (u32, f64) {
+        if self.closes && s > 1.0 - CLOSED { (0, 0.0) } else { (self.span, self.t0 + self.width * s) }
     }
 
     pub(crate) fn outermost(&self) -> f64 {

@@ -111,22 +111,25 @@ impl<'a> Traveller<'a> {
         self.travel_in_segment(t);
     }
 
-    /// Goes to the end of the present segment; the rotation vector of the corner from there into segment `next`.
+    /// Goes to the end of the present segment; the rotation vector of the corner from there into segment `next`. At the
+    /// start of a closed curve, from the mean tangent into the first segment.
     pub(crate) fn corner(&mut self, next: usize) -> DVec3 {
-        if next <= self.place.0 {
+        if next < self.place.0 || (next == self.place.0 && self.place.1 > 0.0) {
             return DVec3::ZERO;
         }
-        self.travel_in_segment(1.0);
+        if next > self.place.0 {
+            self.travel_in_segment(1.0);
+        }
         least_rotation(self.tangent, self.spans.cubics[next].tangent(0.0)).to_scaled_axis()
     }
 
     fn travel_in_segment(&mut self, t: f64) {
         let (span, from) = self.place;
+        let cubic = &self.spans.cubics[span];
+        self.turn_to(cubic.tangent(from));
         if t <= from {
             return;
         }
-        let cubic = &self.spans.cubics[span];
-        self.turn_to(cubic.tangent(from));
         let end = cubic.tangent(t);
         self.rotation = transport(cubic, from, t) * self.rotation;
         if end != DVec3::ZERO {

@@ -73,13 +73,12 @@ impl Lengths {
         for _ in 0..STEPS {
             let missing = wanted - self.sums[cell] - measure(&self.curve, segment, start, t);
             *(if missing > 0.0 { &mut low } else { &mut high }) = t;
-            // Newton's step, or half the bracket where that leaves it.
-            let next = t + missing / slope(&self.curve, Place { segment, t }).length();
-            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-            if (next - t).abs() < SETTLED {
+            let newton = t + missing / slope(&self.curve, Place { segment, t }).length();
+            if (newton - t).abs() < SETTLED {
                 break;
             }
-            t = next;
+            // Half the bracket where the step leaves it.
+            t = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
         }
         let t = if t < JOINT {
             0.0
