@@ -101,6 +101,7 @@
 mod apply;
 mod error;
 mod evaluate;
+mod film;
 mod inspect;
 mod output;
 mod preset_file;

@@ -36,7 +36,8 @@ fn gauss(cubic: &Cubic, t0: f64, t1: f64) -> f64 {
 fn adaptive(cubic: &Cubic, t0: f64, t1: f64, whole: f64, tolerance: f64, depth: u32) -> f64 {
     let middle = 0.5 * (t0 + t1);
     let (left, right) = (gauss(cubic, t0, middle), gauss(cubic, middle, t1));
-    if depth == 0 || (left + right - whole).abs() <= tolerance {
+    let miss = (left + right - whole).abs();
+    if depth == 0 || miss <= tolerance || miss.is_nan() {
         return left + right;
     }
     adaptive(cubic, t0, middle, left, 0.5 * tolerance, depth - 1)

@@ -8,6 +8,7 @@ use thiserror::Error;
 use crate::arclength::ArcLength;
 use crate::attributes::{largest_radius, same_influence};
 use crate::blend::{self, Sums};
+use crate::block::TIE;
 use crate::cells::Cells;
 use crate::closest::Pieces;
 use crate::frame::Frame;
@@ -64,6 +65,8 @@ pub struct Binding {
     wires: Vec<BoundWire>,
     /// About one over the size of the scene, a power of two.
     unit: f32,
+    /// Wires of a group are equally near when their distances differ by less, as feet are on one curve.
+    tie: f64,
 }
 
 /// One wire's part of a binding.
@@ -103,7 +106,10 @@ impl Binding {
         let tiles = Tiles::new(points);
         let whole = tiles.ball().map_or(0.0, |ball| ball.radius);
         let unit = if whole > 0.0 { (-whole.log2().round()).exp2() as f32 } else { 1.0 };
-        let mut binding = Self { tiles, wires: Vec::new(), unit };
+        let of_points = tiles.ball().map_or(0.0, |ball| ball.center.abs().max_element() + ball.radius);
+        let of_curves = wires.iter().flat_map(|w| w.reference.points()).flatten().map(|c| f64::from(c.abs()));
+        let tie = TIE * of_curves.fold(of_points, f64::max);
+        let mut binding = Self { tiles, wires: Vec::new(), unit, tie };
         for index in 0..wires.len() {
             let bound = BoundWire::new(&wires[index], group_radius(wires, index), &binding.tiles);
             binding.wires.push(bound);
@@ -206,10 +212,9 @@ impl Binding {
         let rivals: Vec<(usize, &BoundWire)> = self.wires.iter().enumerate().filter(rivals).collect();
         let acts = |i: usize| {
             let own = bound.feet[i].distance;
-            rivals.iter().all(|(other, rival)| {
-                let theirs = rival.feet[i].distance;
-                own < theirs || (own == theirs && index < *other)
-            })
+            let nearest = rivals.iter().map(|(_, rival)| rival.feet[i].distance).fold(own, f64::min);
+            let near = |distance: f64| distance <= nearest + self.tie;
+            near(own) && !rivals.iter().any(|(other, rival)| *other < index && near(rival.feet[i].distance))
         };
         let runs = Runs::new(&bound.wire, &bound.spans, &bound.cells, &bound.feet, &acts);
         let bound = &mut self.wires[index];

@@ -94,7 +94,7 @@ impl Sums {
             0.0 if alike => self.weigh::<S, 0>(unit, wires),
             1.0 if alike => self.weigh::<S, 1>(unit, wires),
             2.0 if alike => self.weigh::<S, 2>(unit, wires),
-            _ => self.weigh_powers(unit, wires),
+            _ => self.weigh_powers(simd, wires),
         }
         if blend.crossing != 0.0 {
             self.add_plain(simd, wires);
@@ -115,11 +115,10 @@ impl Sums {
         for wire in wires {
             for i in 0..TILE / S::F32_LANES {
                 let d = wire.read(unit.0, i);
-                let square = square(d, unit);
                 let w = match M {
-                    0 => zero.less(square).select(one, zero),
-                    1 => square.sqrt(),
-                    _ => square,
+                    0 => zero.less(largest(d)).select(one, zero),
+                    1 => square(d, unit).sqrt(),
+                    _ => square(d, unit),
                 };
                 add3(&mut self.weighted, i, d.times(w));
                 add(&mut self.weight, i, w);
@@ -128,17 +127,16 @@ impl Sums {
     }
 
     #[inline(always)]
-    fn weigh_powers<S: Simd>(&mut self, unit: Floats<S>, wires: &[Displacements]) {
-        let simd = unit.0;
+    fn weigh_powers<S: Simd>(&mut self, simd: S, wires: &[Displacements]) {
         (self.largest, self.peak) = ([NOTHING; TILE], [NOTHING; TILE]);
         for wire in wires {
             for i in 0..TILE / S::F32_LANES {
-                keep_larger(&mut self.largest, i, log_length(wire.read(simd, i), unit));
+                keep_larger(&mut self.largest, i, log_length(wire.read(simd, i)));
             }
         }
         for wire in wires {
             for i in 0..TILE / S::F32_LANES {
-                let log = log_length(wire.read(simd, i), unit);
+                let log = log_length(wire.read(simd, i));
                 keep_larger(&mut self.peak, i, power(wire.exponent, log, read(simd, &self.largest, i)));
             }
         }
@@ -146,7 +144,7 @@ impl Sums {
         for wire in wires {
             for i in 0..TILE / S::F32_LANES {
                 let d = wire.read(simd, i);
-                let log = log_length(d, unit);
+                let log = log_length(d);
                 let power = power(wire.exponent, log, read(simd, &self.largest, i));
                 let w = exp2_where(nothing.less(log), power - read(simd, &self.peak, i));
                 add3(&mut self.weighted, i, d.times(w));
@@ -212,12 +210,25 @@ fn square<S: Simd>(d: Vectors<S>, unit: Floats<S>) -> Floats<S> {
     d.dot(d)
 }
 
-/// `log₂ ‖ΔP‖`.
+/// The largest coordinate.
 #[inline(always)]
-fn log_length<S: Simd>(d: Vectors<S>, unit: Floats<S>) -> Floats<S> {
-    let square = square(d, unit);
-    let log = Floats::splat(unit.0, 0.5) * log2(square);
-    Floats::splat(unit.0, 0.0).less(square).select(log, Floats::splat(unit.0, NOTHING))
+fn largest<S: Simd>(d: Vectors<S>) -> Floats<S> {
+    let (x, y, z) = (d.0[0].abs(), d.0[1].abs(), d.0[2].abs());
+    let xy = x.less(y).select(y, x);
+    xy.less(z).select(z, xy)
+}
+
+/// `log₂ ‖ΔP‖`, of displacements however small.
+#[inline(always)]
+fn log_length<S: Simd>(d: Vectors<S>) -> Floats<S> {
+    let simd = d.0[0].0;
+    let (zero, one) = (Floats::splat(simd, 0.0), Floats::splat(simd, 1.0));
+    let size = largest(d);
+    let moves = zero.less(size);
+    let size = moves.select(size, one);
+    let unit = d.times(one / size);
+    let log = log2(size) + Floats::splat(simd, 0.5) * log2(unit.dot(unit));
+    moves.select(log, Floats::splat(simd, NOTHING))
 }
 
 /// `m·log₂ w` of a wire whose displacement has length `2^log`, beside the largest.

@@ -18,7 +18,7 @@
 use glam::DVec3;
 use pulp::Simd;
 
-use crate::block::{BLOCK, Block, Feet};
+use crate::block::{BLOCK, Block, Feet, TIE};
 use crate::piece::{Piece, ROUNDING, SINGLE, piece_count};
 use crate::spans::{Spans, to_array, to_dvec3};
 use crate::tiles::Ball;
@@ -110,13 +110,15 @@ impl Pieces {
     pub(crate) fn cull(&self, ball: Ball, reach: f64, among: &[Candidate], out: &mut Vec<Candidate>) {
         out.clear();
         let (center, radius) = (ball.center - self.origin, ball.radius);
+        // A foot that ties with the closest one may come before it.
+        let tie = TIE * self.reach.max(ball.center.abs().max_element() + radius);
         let mut bound = reach;
         for candidate in among {
             let piece = &self.list[candidate.piece as usize];
             let distance = piece.chord_distance(center);
             // Each point of the chord has a point of the curve within the stray, and each point of the ball its centre
             // within the radius.
-            bound = bound.min((distance + piece.stray + radius) * (1.0 + ROUNDING));
+            bound = bound.min((distance + piece.stray + radius) * (1.0 + ROUNDING) + tie);
             let lower = (distance - piece.stray - radius) * (1.0 - ROUNDING);
             out.push(Candidate { lower, piece: candidate.piece });
         }

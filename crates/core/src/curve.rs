@@ -147,7 +147,12 @@ impl Curve {
     /// The unit tangent at `u`, zero where the curve stands still. At a corner the normalised mean of the unit
     /// tangents of both sides.
     pub fn tangent(&self, u: f32) -> [f32; 3] {
-        to_array(Spans::new(self).tangent(f64::from(u)))
+        let spans = Spans::new(self);
+        let count = spans.cubics.len() as f64;
+        // The parameter of a joint is seldom a float32 number.
+        let joint = (f64::from(u) * count).round() / count;
+        let at_joint = joint as f32 == u;
+        to_array(spans.tangent(if at_joint { joint } else { f64::from(u) }))
     }
 
     /// Arc length.

@@ -25,7 +25,7 @@ const PLACE_DEPTH: u32 = 12;
 const FEWEST_TURN_PIECES: usize = 8;
 
 /// The pieces are doubled at most to this number, at a cusp.
-const MOST_TURN_PIECES: usize = 1024;
+const MOST_TURN_PIECES: usize = 256;
 
 /// Radians by which the table from every other node may miss the nodes between; from all nodes, and by the fourth order
 /// of its error, it misses by a sixteenth.
@@ -96,15 +96,16 @@ impl Places {
         self.lengths.build(w);
         self.table.clear();
         let (r_total, w_total) = (r_lengths.total(), self.lengths.total());
+        if r_total == 0.0 || w_total == 0.0 {
+            find_breaks(&mut self.breaks, r, 0, |_| 0.0);
+            self.table.push(0.0, [0.0, 1.0, 0.0, 0.0]);
+            return;
+        }
         find_breaks(&mut self.breaks, r, w.cubics.len(), |joint| {
             let s = self.lengths.at_joint(joint) / w_total * r_total;
             let (span, t) = r_lengths.inverse(r, s);
             span as f64 + t
         });
-        if r_total == 0.0 || w_total == 0.0 {
-            self.table.push(0.0, [0.0, 1.0, 0.0, 0.0]);
-            return;
-        }
         let curves = Pair { r, r_lengths, w, w_lengths: &self.lengths };
         for pair in self.breaks.windows(2) {
             let middle = 0.5 * (pair[0] + pair[1]);
@@ -144,7 +145,7 @@ pub(crate) fn tangent_near_joint(w: &Spans, span: usize, t: f64) -> DVec3 {
 fn find_breaks(breaks: &mut Vec<f64>, r: &Spans, w_spans: usize, of_joint: impl Fn(usize) -> f64) {
     breaks.clear();
     breaks.extend((0..=r.cubics.len()).map(|i| i as f64));
-    breaks.extend((1..w_spans).map(of_joint).filter(|x| x.is_finite()));
+    breaks.extend((1..w_spans).map(of_joint));
     breaks.sort_unstable_by(f64::total_cmp);
     breaks.dedup_by(|b, a| *b - *a < JOINT);
     if let Some(last) = breaks.last_mut() {

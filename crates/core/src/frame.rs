@@ -84,7 +84,7 @@ impl Frame {
         }
         let moved = rest != wire.pose;
         let by_length = moved && wire.correspondence == Correspondence::ArcLength;
-        let transported = moved && wire.bend == Bend::Transport;
+        let transported = moved && wire.bend == Bend::Transport && r.moves() && self.w.moves();
         if by_length {
             self.places.build(r, r_lengths, &self.w);
         }

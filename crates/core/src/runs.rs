@@ -18,10 +18,10 @@ use crate::{Wire, spans::Spans};
 pub(crate) struct StoredFoot {
     pub(crate) span: u32,
     pub(crate) t: f32,
-    pub(crate) distance: f32,
+    pub(crate) distance: f64,
 }
 
-const NO_FOOT: StoredFoot = StoredFoot { span: 0, t: 0.0, distance: f32::INFINITY };
+const NO_FOOT: StoredFoot = StoredFoot { span: 0, t: 0.0, distance: f64::INFINITY };
 
 /// Consecutive bound points of one tile and cell.
 #[derive(Clone, Copy, Debug)]
@@ -40,8 +40,9 @@ pub(crate) struct Runs {
     pub(crate) t: Vec<f32>,
     /// `F`.
     pub(crate) influence: Vec<f32>,
-    /// Distance from the foot; cold, read only when radii or the density change.
-    distance: Vec<f32>,
+    /// Distance from the foot; cold, read only when radii or the density change. In float64, for a point at the very
+    /// edge of the influence counts in the blend, or does not.
+    distance: Vec<f64>,
     list: Vec<Run>,
     /// The first run of each tile, and the number of runs at the end.
     tiles: Vec<u32>,
@@ -112,7 +113,7 @@ impl Runs {
                     Cell::Joint { u, .. } => u,
                 };
                 let radius = if varies { value(wire, Attribute::Radius, u) } else { uniform };
-                self.influence[i] = wire.density.at(f64::from(self.distance[i]) / radius) as f32;
+                self.influence[i] = wire.density.at(self.distance[i] / radius) as f32;
             }
         }
     }
@@ -199,8 +200,8 @@ impl pulp::WithSimd for Search<'_> {
             pieces.search(simd, &block, &candidates, reach, &mut feet);
             for (i, out) in out.iter_mut().enumerate().take(BLOCK) {
                 if feet.distance[i] < reach {
-                    let (t, distance) = (feet.t[i] as f32, feet.distance[i] as f32);
-                    *out = StoredFoot { span: feet.span[i], t, distance };
+                    let (span, t, distance) = (feet.span[i], feet.t[i] as f32, feet.distance[i]);
+                    *out = StoredFoot { span, t, distance };
                 }
             }
         }

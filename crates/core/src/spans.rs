@@ -101,6 +101,11 @@ impl Spans {
         self.cubics[span].at(t)
     }
 
+    /// Whether the curve has a direction anywhere.
+    pub(crate) fn moves(&self) -> bool {
+        self.cubics.iter().any(|c| c.0[1..] != [DVec3::ZERO; 3])
+    }
+
     /// The unit tangent at `u`, or zero. At a joint of two segments the normalised mean of both sides.
     pub(crate) fn tangent(&self, u: f64) -> DVec3 {
         let (span, t) = self.locate(u);

@@ -1,0 +1,186 @@
+//! An effect on its way through time, and what is made of its moments: a glTF animation, a still, OBJ files.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use wirework_asset::{Clip, Format, Gltf, Obj, OutputFile, write_obj};
+use wirework_bake::{Baker, Settings};
+use wirework_surface::Mesh;
+
+use crate::error::count;
+use crate::output::{Pattern, Scene, scene_mesh};
+use crate::shade::{Vertices, own_normals};
+use crate::subject::Model;
+use crate::{ApplyError, Evaluation, Job, Progress, Schedule};
+
+/// What came out.
+#[derive(Default)]
+pub(crate) struct Product {
+    pub(crate) files: Vec<OutputFile>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// An effect on its way through time.
+pub(crate) struct Film<'a> {
+    pub(crate) points: &'a [[f32; 3]],
+    pub(crate) now: Vec<[f32; 3]>,
+    pub(crate) evaluation: Evaluation<'a>,
+    pub(crate) schedule: Schedule,
+    pub(crate) shade: Duration,
+    pub(crate) write: Duration,
+    pub(crate) progress: &'a mut (dyn FnMut(Progress) + Send),
+}
+
+impl Film<'_> {
+    /// Works out every moment, lets `vertices` follow, and hands each to `take`: frame, time and vertices.
+    fn play(
+        &mut self,
+        vertices: &mut [Vertices],
+        mut take: impl FnMut(u32, f64, &[Vertices]) -> Result<(), ApplyError>,
+    ) -> Result<(), ApplyError> {
+        let frames = self.schedule.count();
+        for (done, (frame, seconds)) in self.schedule.moments().enumerate() {
+            self.evaluation.at(seconds, &mut self.now)?;
+            if let Some(point) = self.now.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+                return Err(ApplyError::OutOfRange { point, seconds });
+            }
+            let start = Instant::now();
+            for list in vertices.iter_mut() {
+                list.place(self.points, &self.now);
+                list.shade()?;
+            }
+            let shaded = Instant::now();
+            self.shade += shaded - start;
+            take(frame, seconds, vertices)?;
+            self.write += shaded.elapsed();
+            (self.progress)(Progress { done: done + 1, frames });
+        }
+        Ok(())
+    }
+
+    pub(crate) fn gltf(
+        &mut self,
+        job: &Job<'_>,
+        format: Format,
+        scene: Scene,
+    ) -> Result<Product, ApplyError> {
+        let Scene { mut gltf, rest, point_of } = scene;
+        if let Some(clip) = job.clip {
+            find_clip(&gltf, clip)?;
+        }
+        let known = gltf.warnings().len();
+        let start = Instant::now();
+        let mut vertices = [Vertices::of_scene(&rest, point_of)?];
+        self.shade += start.elapsed();
+        if matches!(self.schedule, Schedule::Still(_)) {
+            self.play(&mut vertices, |_, _, vertices| {
+                let [vertices] = vertices else { return Ok(()) };
+                let stuck = gltf.set_still(&rest, &vertices.positions, vertices.normals())?;
+                if stuck > 0 {
+                    let who = if stuck == 1 { "vertex stays" } else { "vertices stay" };
+                    gltf.warn("singular", format!("{stuck} {who} in place: the transform has no inverse"));
+                }
+                Ok(())
+            })?;
+        } else {
+            let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
+            let (bake, max_targets) = (job.bake, job.max_targets);
+            let settings = Settings { bake, max_targets, clip, ..Settings::default() };
+            let mut baker = Baker::new(gltf, &rest, settings);
+            self.play(&mut vertices, |_, seconds, vertices| {
+                let [vertices] = vertices else { return Ok(()) };
+                Ok(baker.push(seconds, &vertices.positions, vertices.normals())?)
+            })?;
+            let start = Instant::now();
+            gltf = baker.finish()?.gltf;
+            self.write += start.elapsed();
+        }
+        let start = Instant::now();
+        let files = gltf.files(job.output.unwrap_or(Path::new("out.glb")), format)?;
+        self.write += start.elapsed();
+        let warnings = gltf.warnings().iter().skip(known);
+        let file = wirework_asset::printable(gltf.file());
+        Ok(Product { files, warnings: warnings.map(|warning| format!("{file}: {warning}")).collect() })
+    }
+
+    pub(crate) fn obj(
+        &mut self,
+        pattern: Option<&Pattern>,
+        model: Model,
+        point_of: Vec<u32>,
+        output: Option<&Path>,
+    ) -> Result<Product, ApplyError> {
+        let mut files = Vec::new();
+        let mut keep = |frame, bytes| {
+            let path = pattern.map(|pattern| pattern.file(frame));
+            if let Some(path) = path.as_deref().or(output) {
+                files.push(OutputFile::new(path, bytes));
+            }
+        };
+        let start = Instant::now();
+        match model {
+            Model::Gltf { rest, .. } => {
+                let mut vertices = [Vertices::of_scene(&rest, point_of)?];
+                self.shade += start.elapsed();
+                self.play(&mut vertices, |frame, _, vertices| {
+                    let [vertices] = vertices else { return Ok(()) };
+                    keep(frame, write_obj(&scene_mesh(&rest, &vertices.positions, vertices.normals())));
+                    Ok(())
+                })?;
+            }
+            Model::Mesh { mesh, obj, .. } => {
+                let (mut mesh, normals) = own_normals(&mesh, &point_of)?;
+                let places = Vertices::new(mesh.positions.clone(), point_of);
+                let mut vertices: Vec<Vertices> = [places].into_iter().chain(normals).collect();
+                self.shade += start.elapsed();
+                self.play(&mut vertices, |frame, _, vertices| {
+                    follow(&mut mesh, vertices);
+                    keep(frame, obj_text(obj.as_deref(), &mesh));
+                    Ok(())
+                })?;
+            }
+        }
+        Ok(Product { files, ..Product::default() })
+    }
+
+    /// A warning for each effect that reaches nothing.
+    pub(crate) fn idle(&self) -> Vec<String> {
+        let line = |effect| {
+            let which =
+                if effect == 0 { String::new() } else { format!(" (number {effect} of the stack, from 0)") };
+            format!("the effect{which} reaches no vertex: nothing moves [no-reach]")
+        };
+        self.evaluation.idle().map(line).collect()
+    }
+}
+
+/// Puts present positions, and normals where there are any, into a mesh.
+fn follow(mesh: &mut Mesh, vertices: &[Vertices]) {
+    let (Some(places), normals) = (vertices.first(), vertices.get(1)) else { return };
+    mesh.positions.copy_from_slice(&places.positions);
+    if let Some(now) = normals.and_then(|normals| normals.normals()?.get(..mesh.normals.len())) {
+        mesh.normals.copy_from_slice(now);
+    }
+}
+
+fn obj_text(obj: Option<&Obj>, mesh: &Mesh) -> Vec<u8> {
+    obj.map_or_else(|| write_obj(mesh), |obj| obj.write(mesh))
+}
+
+/// The clip of a name, or else of a number.
+fn find_clip(gltf: &Gltf, wanted: &str) -> Result<usize, ApplyError> {
+    let names = gltf.clip_names();
+    let by_number = || wanted.parse().ok().filter(|&index: &usize| index < names.len());
+    names.iter().position(|name| *name == Some(wanted)).or_else(by_number).ok_or_else(|| {
+        let known: Vec<String> = names
+            .iter()
+            .enumerate()
+            .map(|(index, name)| name.map_or_else(|| index.to_string(), |name| format!("{name:?}")))
+            .collect();
+        let there = match known.as_slice() {
+            [] => "the input has no clips".to_owned(),
+            known => format!("the input has {}: {}", count(known.len(), "clip"), known.join(", ")),
+        };
+        ApplyError::Request(format!("there is no clip {wanted:?}; {there}"))
+    })
+}
