@@ -8,7 +8,6 @@ use thiserror::Error;
 use crate::arclength::ArcLength;
 use crate::attributes::{largest_radius, same_influence};
 use crate::blend::{self, Sums};
-use crate::block::TIE;
 use crate::cells::Cells;
 use crate::closest::Pieces;
 use crate::frame::Frame;
@@ -22,6 +21,11 @@ use crate::{Blend, Wire};
 /// A wire whose radius grows beyond what its points were bound for is bound anew for so much more, lest a steady growth
 /// bind in every frame.
 const REACH_SLACK: f32 = 1.25;
+
+/// Distances from two wires of a group tie when they differ by less than this part of the largest coordinate: by the rounding
+/// of float64 only. Where a wire is cut in two the first half's end would otherwise stand for feet on the second half as far
+/// away as the tolerance's square root.
+const GROUP_TIE: f64 = 1e-13;
 
 /// Why points cannot be bound or deformed.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -65,7 +69,7 @@ pub struct Binding {
     wires: Vec<BoundWire>,
     /// About one over the size of the scene, a power of two.
     unit: f32,
-    /// Wires of a group are equally near when their distances differ by less, as feet are on one curve.
+    /// Wires of a group are equally near when their distances differ by less.
     tie: f64,
 }
 
@@ -108,7 +112,7 @@ impl Binding {
         let unit = if whole > 0.0 { (-whole.log2().round()).exp2() as f32 } else { 1.0 };
         let of_points = tiles.ball().map_or(0.0, |ball| ball.center.abs().max_element() + ball.radius);
         let of_curves = wires.iter().flat_map(|w| w.reference.points()).flatten().map(|c| f64::from(c.abs()));
-        let tie = TIE * of_curves.fold(of_points, f64::max);
+        let tie = GROUP_TIE * of_curves.fold(of_points, f64::max);
         let mut binding = Self { tiles, wires: Vec::new(), unit, tie };
         for index in 0..wires.len() {
             let bound = BoundWire::new(&wires[index], group_radius(wires, index), &binding.tiles);

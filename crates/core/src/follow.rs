@@ -21,11 +21,11 @@ const PLACE_CHECKS: [f64; 3] = [0.21, 0.5, 0.83];
 /// A piece of the table of places is halved at most this often, at a standstill of a curve.
 const PLACE_DEPTH: u32 = 12;
 
-/// Pieces between two breaks that the table of turns starts with, at least as many as the differences at the ends span.
-const FEWEST_TURN_PIECES: usize = 8;
+/// Pieces that a stretch of the table of turns is made of, twice as many as the differences at its ends span.
+const TURN_PIECES: usize = 16;
 
-/// The pieces are doubled at most to this number, at a cusp.
-const MOST_TURN_PIECES: usize = 256;
+/// A stretch that does not follow the turn is halved, at a cusp at most this often.
+const TURN_DEPTH: u32 = 10;
 
 /// Radians by which the table from every other node may miss the nodes between; from all nodes, and by the fourth order
 /// of its error, it misses by a sixteenth.
@@ -220,27 +220,38 @@ impl Turns {
         for k in 1..self.breaks.len() {
             let (x0, x1) = (self.breaks[k - 1], self.breaks[k]);
             let spans = walk.spans(0.5 * (x0 + x1));
-            let mut pieces = FEWEST_TURN_PIECES;
-            loop {
-                let mut trial = walk.clone();
-                pieces *= 2;
-                self.nodes.clear();
-                for i in 0..=pieces {
-                    trial.walk(spans, x0 + (x1 - x0) * i as f64 / pieces as f64);
-                    self.nodes.push(trial.vector);
-                }
-                if pieces >= MOST_TURN_PIECES || self.miss() < TURN_TOLERANCE {
-                    walk = trial;
-                    break;
-                }
-            }
-            self.tabulate(x0, (x1 - x0) / pieces as f64);
+            walk = self.follow(walk, spans, x0, x1, TURN_DEPTH);
             let next = self.breaks.get(k + 1).map_or(spans, |x2| walk.spans(0.5 * (x1 + x2)));
             let halfway = walk.turn_corner(next);
             if (x1 - x1.round()).abs() < JOINT {
                 self.joints.push(halfway.as_vec3().to_array());
             }
         }
+    }
+
+    /// Tabulates the stretch from `x0` to `x1`, in given segments; gives where that leads.
+    fn follow<'a>(
+        &mut self,
+        walk: Walk<'a>,
+        spans: (usize, usize),
+        x0: f64,
+        x1: f64,
+        depth: u32,
+    ) -> Walk<'a> {
+        let mut trial = walk.clone();
+        let h = (x1 - x0) / TURN_PIECES as f64;
+        self.nodes.clear();
+        for i in 0..=TURN_PIECES {
+            trial.walk(spans, x0 + h * i as f64);
+            self.nodes.push(trial.vector);
+        }
+        if depth == 0 || self.miss() < TURN_TOLERANCE {
+            self.tabulate(x0, h);
+            return trial;
+        }
+        let middle = 0.5 * (x0 + x1);
+        let walk = self.follow(walk, spans, x0, middle, depth - 1);
+        self.follow(walk, spans, middle, x1, depth - 1)
     }
 
     /// How far the cubics through every other node pass from the nodes between.

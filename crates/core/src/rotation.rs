@@ -156,7 +156,11 @@ pub(crate) fn continued_vector(q: DQuat, before: DVec3) -> DVec3 {
     if axis.dot(before) < 0.0 {
         (axis, angle) = (-axis, -angle);
     }
-    angle += TURN * ((before.dot(axis) - angle) / TURN).round();
+    // Half a turn away both ways are as near: then the rotation's own axis and angle hold.
+    let turns = (before.dot(axis) - angle) / TURN;
+    if turns.abs() > 0.5 + 1e-9 {
+        angle += TURN * turns.round();
+    }
     axis * angle
 }
 
@@ -203,6 +207,14 @@ mod tests {
         traveller.travel(2, 0.5);
         assert!((traveller.rotation * DVec3::X).distance(DVec3::Y) < 1e-12);
         assert!((traveller.rotation * DVec3::Z).distance(DVec3::Z) < 1e-12);
+    }
+
+    #[test]
+    fn half_a_turn_starts_about_its_axis() {
+        for a in [DVec3::X, DVec3::new(0.1, -2.0, 0.3).normalize()] {
+            let vector = continued_vector(least_rotation(a, -a), DVec3::ZERO);
+            assert!(vector.distance(fixed_perpendicular(a) * std::f64::consts::PI) < 1e-9, "{vector}");
+        }
     }
 
     #[test]
