@@ -61,6 +61,8 @@ pub(crate) struct Frame {
     pub(crate) origin: [f32; 3],
     /// Whether no cell moves anything.
     pub(crate) still: bool,
+    /// `R`, kept where `W − R` is looked up by arc length.
+    pub(crate) r: Spans,
     pub(crate) w: Spans,
     pub(crate) places: Places,
     pub(crate) turns: Turns,
@@ -87,6 +89,8 @@ impl Frame {
         let transported = moved && wire.bend == Bend::Transport && r.moves() && self.w.moves();
         if by_length {
             self.places.build(r, r_lengths, &self.w);
+            self.r.cubics.clone_from(&r.cubics);
+            self.r.closed = r.closed;
         }
         if transported {
             self.turns.build(r, &self.w, by_length.then_some(&self.places));

@@ -13,12 +13,13 @@
 //! The paper's step 1 as printed, `P + v·(1 + (s − 1)F)`, moves every point even at `s = 1`; it must start from `R(p)`. Its
 //! axis `W′×R′` turns the wrong way.
 
+use glam::DVec3;
 use pulp::Simd;
 
 use crate::follow::tangent_near_joint;
 use crate::frame::{CellFrame, Frame, Turn};
 use crate::simd::{FloatMask, Floats, Vectors};
-use crate::spans::{ZERO_TANGENT, to_dvec3};
+use crate::spans::ZERO_TANGENT;
 use crate::tiles::{TILE, Tile};
 use crate::trig::{atan_unit, sin_cos};
 
@@ -72,8 +73,9 @@ struct Chunk {
     influence: Lane,
     /// `P` relative to the frame's origin, then `ΔP`.
     p: [Lane; 3],
-    /// `W − R` and `W′` by arc length.
+    /// `W − R`, `R′` and `W′` by arc length.
     d: [Lane; 3],
+    r_tangent: [Lane; 3],
     w_tangent: [Lane; 3],
     /// The rotation vector of transported frames.
     turn: [Lane; 3],
@@ -91,7 +93,15 @@ pub(crate) fn displace<S: Simd>(
 ) {
     const ZERO: Lane = [0.0; CHUNK];
     const ZERO3: [Lane; 3] = [ZERO; 3];
-    let mut chunk = Chunk { t: ZERO, influence: ZERO, p: ZERO3, d: ZERO3, w_tangent: ZERO3, turn: ZERO3 };
+    let mut chunk = Chunk {
+        t: ZERO,
+        influence: ZERO,
+        p: ZERO3,
+        d: ZERO3,
+        r_tangent: ZERO3,
+        w_tangent: ZERO3,
+        turn: ZERO3,
+    };
     let chunks = points.index.chunks(CHUNK).zip(points.t.chunks(CHUNK)).zip(points.influence.chunks(CHUNK));
     for ((index, t), influence) in chunks {
         chunk.gather(tile, frame.origin, index, t, influence);
@@ -129,19 +139,16 @@ impl Chunk {
         }
     }
 
-    /// `W − R` and `W′` at the same fraction of arc length.
+    /// `W − R` and both unit tangents at the same fraction of arc length; in float64, so that what is equal on both curves
+    /// differs by exactly nothing.
     fn follow_length(&mut self, frame: &Frame, cell: &CellFrame, count: usize) {
-        let origin = to_dvec3(frame.origin);
         for i in 0..count {
-            let t = self.t[i];
-            let (span, w_t) = frame.places.at(cell.place + f64::from(t), &frame.w);
-            let on_w = (frame.w.cubics[span].at(w_t) - origin).as_vec3().to_array();
-            let tangent = tangent_near_joint(&frame.w, span, w_t).as_vec3().to_array();
-            for axis in 0..3 {
-                let [c0, c1, c2, c3] = cell.r.map(|c| c[axis]);
-                self.d[axis][i] = on_w[axis] - (c0 + t * (c1 + t * (c2 + t * c3)));
-                self.w_tangent[axis][i] = tangent[axis];
-            }
+            let (r_span, t) = (cell.place as usize, f64::from(self.t[i]));
+            let (w_span, w_t) = frame.places.at(cell.place + t, &frame.w);
+            let d = frame.w.cubics[w_span].at(w_t) - frame.r.cubics[r_span].at(t);
+            set(&mut self.d, i, d);
+            set(&mut self.r_tangent, i, frame.r.tangent_in(r_span, t));
+            set(&mut self.w_tangent, i, tangent_near_joint(&frame.w, w_span, w_t));
         }
     }
 
@@ -161,7 +168,11 @@ impl Chunk {
         let mut v = rest.times(one + attribute(cell, &cell.scale, t) * f);
         let twists = cell.twist != [0.0; 4];
         if twists || cell.turn != Turn::None {
-            let r_tangent = Vectors::polynomial(t, &cell.r_tangent);
+            let r_tangent = if cell.by_length {
+                load3(simd, &self.r_tangent, i)
+            } else {
+                Vectors::polynomial(t, &cell.r_tangent)
+            };
             if twists {
                 v = twisted(v, r_tangent, attribute(cell, &cell.twist, t) * f);
             }
@@ -185,6 +196,11 @@ impl Chunk {
             Floats::<S>::vectors_mut(&mut self.p[axis])[i] = moved.0[axis].1;
         }
     }
+}
+
+fn set(lanes: &mut [Lane; 3], i: usize, v: DVec3) {
+    let v = v.as_vec3();
+    (lanes[0][i], lanes[1][i], lanes[2][i]) = (v.x, v.y, v.z);
 }
 
 #[inline(always)]

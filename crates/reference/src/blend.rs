@@ -4,11 +4,15 @@
 //! `blend = Σ ΔPᵢ·wᵢ^mᵢ / Σ wᵢ^mᵢ`, `wᵢ = ‖ΔPᵢ‖ / maxⱼ ‖ΔPⱼ‖`, and over the wires with `Fᵢ > 0`
 //! `local = Σ ΔPᵢ·Fᵢ^k / Σ Fᵢ^k`.
 
-use crate::foot::{Foot, TIE};
+use crate::foot::Foot;
 use crate::wide;
 use crate::wire::Prepared;
 use glam::DVec3;
 use wirework_core::{Blend, Wire};
+
+/// Distances of wires in a group tie when they differ by less than this part of the scene's extent: the rounding of float64.
+/// More would let the end of a cut wire stand for feet beyond the cut.
+const GROUP_TIE: f64 = 1e-13;
 
 /// Where `points` go. A point of which no wire with `F > 0` moves anything comes back as it went in.
 ///
@@ -76,7 +80,7 @@ impl Scene {
     }
 
     /// `F` and `ΔP` of each wire. Of a group only the wire whose `R` is nearest acts, whatever its radius; of those
-    /// that are equally near (to [`TIE`]) the first.
+    /// that are equally near (to [`GROUP_TIE`]) the first.
     fn acting(&self, p: DVec3) -> Vec<(f64, DVec3)> {
         let feet: Vec<Foot> = self.wires.iter().map(|wire| wire.feet.closest(p)).collect();
         let distance = |i: &usize| feet[*i].distance;
@@ -86,7 +90,7 @@ impl Scene {
             let members: Vec<usize> = members.collect();
             let least = members.iter().map(distance).fold(f64::INFINITY, f64::min);
             let extent = members.iter().map(|&j| self.wires[j].feet.extent(p)).fold(0.0, f64::max);
-            members.into_iter().find(|j| distance(j) <= least + TIE * extent) == Some(i)
+            members.into_iter().find(|j| distance(j) <= least + GROUP_TIE * extent) == Some(i)
         };
         let one = |(i, foot): (usize, &Foot)| {
             let wire = &self.wires[i];
