@@ -38,7 +38,7 @@ const SPANS: std::ops::RangeInclusive<usize> = 8..=1024;
 /// The creases of a wrinkle on a surface, ready for any moment.
 #[derive(Clone, Debug)]
 pub struct Creases {
-    creases: Vec<Crease>,
+    list: Vec<Crease>,
     density: Density,
     thickness: Keyed<f32>,
     intensity: Keyed<f32>,
@@ -81,7 +81,7 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
             .ok_or(WrinkleError::NoNormal { curve: index })
     };
     Ok(Creases {
-        creases: curves.iter().enumerate().map(lay).collect::<Result<_, _>>()?,
+        list: curves.iter().enumerate().map(lay).collect::<Result<_, _>>()?,
         density: Density::Fold(q),
         thickness: settings.thickness.clone(),
         intensity: settings.intensity.clone(),
@@ -94,12 +94,12 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
 impl Creases {
     /// How many creases there are.
     pub fn len(&self) -> usize {
-        self.creases.len()
+        self.list.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.creases.is_empty()
+        self.list.is_empty()
     }
 
     /// How the wires' displacements become one.
@@ -110,8 +110,8 @@ impl Creases {
     /// The wires at `seconds`, one a crease, in place of what `wires` held. Their references are the same at all times,
     /// bit for bit. Wires of an earlier moment are updated without allocating.
     pub fn wires_at(&self, seconds: f64, wires: &mut Vec<Wire>) {
-        wires.truncate(self.creases.len());
-        for (i, crease) in self.creases.iter().enumerate() {
+        wires.truncate(self.list.len());
+        for (i, crease) in self.list.iter().enumerate() {
             match wires.get_mut(i) {
                 Some(wire) if wire.reference == crease.reference => {}
                 Some(wire) => *wire = self.wire(crease),
@@ -121,7 +121,7 @@ impl Creases {
         let intensity = f64::from(self.intensity.at(seconds));
         let propagation = f64::from(self.propagation.at(seconds));
         let radius = self.thickness.at(seconds);
-        for (wire, crease) in wires.iter_mut().zip(&self.creases) {
+        for (wire, crease) in wires.iter_mut().zip(&self.list) {
             wire.radius = radius;
             let rise = |x: f64| intensity * crease.strength * height(x, self.resistance, propagation);
             let points = crease.reference.points().iter().zip(&crease.lift).zip(&crease.fractions);

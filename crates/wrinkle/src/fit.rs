@@ -34,13 +34,12 @@ pub(crate) fn interpolate(values: &[DVec3], closed: bool) -> Vec<DVec3> {
         for i in 0..count {
             let (before, after) = (points[(i + count - 1) % count], points[(i + 1) % count]);
             points[i] = match (closed, i, count - 1 - i) {
-                (true, _, _) => (values[i] - (before + after) * 0.125) / 0.75,
                 (false, 0, _) | (false, _, 0) => values[i],
                 // One span alone is a Bézier; else only the span at an end has other basis functions.
                 (false, 1, 1) => (values[i] - (before + after) * 0.25) / 0.5,
                 (false, 1, _) => (values[i] - before * 0.25 - after * 0.125) / 0.625,
                 (false, _, 1) => (values[i] - before * 0.125 - after * 0.25) / 0.625,
-                (false, _, _) => (values[i] - (before + after) * 0.125) / 0.75,
+                _ => (values[i] - (before + after) * 0.125) / 0.75,
             };
         }
     }
@@ -61,7 +60,7 @@ mod tests {
                     continue;
                 }
                 let nodes = nodes(spans, closed);
-                let value = |u: &f64| DVec3::new((u * 6.283).cos(), (u * 12.566).sin(), u * (1.0 - u));
+                let value = |u: &f64| DVec3::new((u * 6.0).cos(), (u * 12.0).sin(), u * (1.0 - u));
                 let values: Vec<DVec3> = nodes.iter().map(value).collect();
                 let points = interpolate(&values, closed);
                 let points: Vec<_> = points.iter().map(|p| p.as_vec3().to_array()).collect();
