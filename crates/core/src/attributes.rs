@@ -108,6 +108,17 @@ pub(crate) fn same_influence(a: &Wire, b: &Wire) -> bool {
         && a.locators.iter().map(|l| (l.u, l.radius)).eq(b.locators.iter().map(|l| (l.u, l.radius)))
 }
 
+/// Takes over what [`same_influence`] compares, from a wire with as many locators; a profile is copied only where it changed.
+pub(crate) fn copy_influence(from: &Wire, to: &mut Wire) {
+    (to.radius, to.interpolation) = (from.radius, from.interpolation);
+    if to.density != from.density {
+        to.density.clone_from(&from.density);
+    }
+    for (from, to) in from.locators.iter().zip(&mut to.locators) {
+        to.radius = from.radius;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::arclength::ArcLength;
-use crate::attributes::{largest_radius, same_influence};
+use crate::attributes::{copy_influence, largest_radius, same_influence};
 use crate::blend::{self, Sums};
 use crate::cells::Cells;
 use crate::closest::Pieces;
@@ -39,6 +39,9 @@ pub enum BindError {
         /// What is wrong with it.
         error: WireError,
     },
+    /// A value of the blend is NaN or infinite.
+    #[error("the blend's {0} is not finite")]
+    Blend(&'static str),
     /// More points than 32 bits count.
     #[error("{0} points are more than 2³² − 1")]
     TooManyPoints(usize),
@@ -119,7 +122,7 @@ impl Binding {
             binding.wires.push(bound);
         }
         for index in 0..wires.len() {
-            binding.sort_runs(index);
+            binding.sort_group(index);
         }
         Ok(binding)
     }
@@ -146,6 +149,7 @@ impl Binding {
         out: &mut [[f32; 3]],
     ) -> Result<(), BindError> {
         check(wires)?;
+        blend.check().map_err(BindError::Blend)?;
         if wires.len() != self.wires.len() {
             return Err(BindError::WireCount { bound: self.wires.len(), found: wires.len() });
         }
@@ -195,24 +199,26 @@ impl Binding {
                 self.wires[index] = BoundWire::new(wire, reach, &self.tiles);
                 for other in 0..wires.len() {
                     let group = self.wires[other].wire.group;
-                    if other == index || (group.is_some() && (group == wire.group || group == old_group)) {
-                        self.sort_runs(other);
+                    if group == wire.group || group == old_group {
+                        self.sort_group(other);
                     }
                 }
             } else if !same_influence(&bound.wire, wire) {
                 let bound = &mut self.wires[index];
-                bound.wire.clone_from(wire);
+                copy_influence(wire, &mut bound.wire);
                 bound.runs.measure(wire, &bound.spans, &bound.cells);
             }
         }
     }
 
-    /// Makes the runs of a wire from its feet; in a group only of points that are nearest to this wire.
-    fn sort_runs(&mut self, index: usize) {
+    /// Makes the runs of a wire of a group from its feet: of the points that are nearest to this wire.
+    fn sort_group(&mut self, index: usize) {
         let bound = &self.wires[index];
         let group = bound.wire.group;
-        let rivals =
-            |&(other, w): &(usize, &BoundWire)| other != index && group.is_some() && w.wire.group == group;
+        if group.is_none() {
+            return;
+        }
+        let rivals = |&(other, w): &(usize, &BoundWire)| other != index && w.wire.group == group;
         let rivals: Vec<(usize, &BoundWire)> = self.wires.iter().enumerate().filter(rivals).collect();
         let acts = |i: usize| {
             let own = bound.feet[i].distance;
@@ -221,11 +227,7 @@ impl Binding {
             near(own) && !rivals.iter().any(|(other, rival)| *other < index && near(rival.feet[i].distance))
         };
         let runs = Runs::new(&bound.wire, &bound.spans, &bound.cells, &bound.feet, &acts);
-        let bound = &mut self.wires[index];
-        bound.runs = runs;
-        if group.is_none() {
-            bound.feet = Vec::new();
-        }
+        self.wires[index].runs = runs;
     }
 }
 
@@ -233,17 +235,23 @@ impl BoundWire {
     fn new(wire: &Wire, reach: f32, tiles: &Tiles) -> Self {
         let spans = Spans::new(&wire.reference);
         let pieces = Pieces::new(&spans);
-        let feet = find_feet(&pieces, tiles, f64::from(reach));
-        Self {
-            cells: Cells::new(wire, &spans),
+        let cells = Cells::new(wire, &spans);
+        let mut bound = Self {
             lengths: ArcLength::new(&spans),
             wire: wire.clone(),
             reach,
-            spans,
             runs: Runs::default(),
-            feet,
+            feet: Vec::new(),
             frame: Frame::default(),
+            cells,
+            spans,
+        };
+        if wire.group.is_some() {
+            bound.feet = find_feet(&pieces, tiles, f64::from(reach));
+        } else {
+            bound.runs = Runs::bind(wire, &bound.spans, &bound.cells, &pieces, tiles, f64::from(reach));
         }
+        bound
     }
 }
 

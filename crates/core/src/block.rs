@@ -82,14 +82,30 @@ pub(crate) struct Feet {
     pub(crate) distance: Row,
     pub(crate) t: Row,
     pub(crate) span: [u32; BLOCK],
-    /// Farther feet are no use: the best distance and a tie, or how far feet are sought.
-    pub(crate) reach: Row,
+    /// The least distance of all feet so far; the best foot may tie with it.
+    least: Row,
+    /// Farther feet are no use: the least distance and a tie, or how far feet are sought.
+    reach: Row,
 }
 
 impl Feet {
     pub(crate) fn new() -> Self {
         let zero = [0.0; BLOCK];
-        Self { distance: [f64::INFINITY; BLOCK], t: zero, span: [0; BLOCK], reach: zero }
+        let none = [f64::INFINITY; BLOCK];
+        Self { distance: none, t: zero, span: [0; BLOCK], least: none, reach: zero }
+    }
+
+    /// Forgets all feet; new ones are sought up to `reach`.
+    pub(crate) fn reset(&mut self, reach: f64) {
+        self.distance = [f64::INFINITY; BLOCK];
+        self.least = [f64::INFINITY; BLOCK];
+        self.reach = [reach; BLOCK];
+    }
+
+    /// How far feet are of use, a number a point.
+    #[inline(always)]
+    pub(crate) fn reach(&self) -> &Row {
+        &self.reach
     }
 
     /// Whether a foot at `distance` would be of use to any point.
@@ -103,13 +119,16 @@ impl Feet {
     pub(crate) fn offer(&mut self, lane: usize, piece: &Piece, block: &Block, s: f64) {
         let lane = lane & (BLOCK - 1);
         let distance = piece.cubic.at(s).distance(block.at(lane));
-        let (best, tie) = (self.distance[lane], block.tie[lane]);
+        let tie = block.tie[lane];
         let (span, t) = piece.place(s);
+        let least = if distance < self.least[lane] { distance } else { self.least[lane] };
+        self.least[lane] = least;
+        let beaten = self.distance[lane] > least + tie;
         let earlier = (span, t) < (self.span[lane], self.t[lane]);
-        if distance < best - tie || (distance <= best + tie && (earlier || best == f64::INFINITY)) {
+        if beaten || (earlier && distance <= least + tie) {
             (self.distance[lane], self.span[lane], self.t[lane]) = (distance, span, t);
-            let useful = distance + tie;
-            self.reach[lane] = if useful < self.reach[lane] { useful } else { self.reach[lane] };
         }
+        let useful = least + tie;
+        self.reach[lane] = if useful < self.reach[lane] { useful } else { self.reach[lane] };
     }
 }

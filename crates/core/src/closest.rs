@@ -147,8 +147,7 @@ impl Pieces {
         reach: f64,
         feet: &mut Feet,
     ) {
-        feet.distance = [f64::INFINITY; BLOCK];
-        feet.reach = [reach; BLOCK];
+        feet.reset(reach);
         let mut marks = [0.0; BLOCK];
         let mut lanes = [0_u8; BLOCK];
         for candidate in candidates {
@@ -156,7 +155,7 @@ impl Pieces {
                 break;
             }
             let piece = &self.list[candidate.piece as usize];
-            piece.mark(simd, block, &feet.reach, &mut marks);
+            piece.mark(simd, block, feet.reach(), &mut marks);
             let mut count = 0;
             for (lane, &mark) in marks.iter().enumerate().take(block.count) {
                 if mark == SINGLE {

@@ -52,4 +52,4 @@ pub use closest::Foot;
 pub use curve::{Curve, CurveError, CurveKind};
 pub use density::{Density, Profile, ProfileError};
 pub use keyed::{Interpolate, Keyed, Keys, KeysError};
-pub use wire::{Bend, Blend, Correspondence, Interpolation, Locator, Wire, WireError};
+pub use wire::{Bend, Blend, Correspondence, Interpolation, LARGEST_TWIST, Locator, Wire, WireError};

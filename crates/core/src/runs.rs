@@ -69,13 +69,42 @@ impl Runs {
         }
     }
 
-    /// Sorts the feet that `acts` admits into runs and computes their influence.
+    /// Finds the feet of all points within `reach` and sorts them into runs, a tile at a time.
+    pub(crate) fn bind(
+        wire: &Wire,
+        spans: &Spans,
+        cells: &Cells,
+        pieces: &Pieces,
+        tiles: &Tiles,
+        reach: f64,
+    ) -> Self {
+        if tiles.order().is_some() {
+            let feet = find_feet(pieces, tiles, reach);
+            return Self::new(wire, spans, cells, &feet, &|_| true);
+        }
+        let all = pieces.all();
+        let part = |(i, (tile, balls)): (usize, (&Tile, &Balls))| {
+            let mut feet = [NO_FOOT; TILE];
+            let feet = &mut feet[..(tiles.count - i * TILE).min(TILE)];
+            let reached = search_tile(pieces, tile, balls, &all, reach, feet);
+            if reached { tile_runs(cells, feet, |_| true) } else { Self::default() }
+        };
+        let parts = tiles.searched().par_iter().zip(&tiles.balls).enumerate().map(part).collect();
+        Self::join(wire, spans, cells, parts)
+    }
+
+    /// Sorts the feet that `acts` admits into runs.
     pub(crate) fn new(wire: &Wire, spans: &Spans, cells: &Cells, feet: &[StoredFoot], acts: Acts) -> Self {
-        let parts: Vec<Self> = feet
+        let parts = feet
             .par_chunks(TILE)
             .enumerate()
             .map(|(tile, feet)| tile_runs(cells, feet, |i| acts(tile * TILE + i)))
             .collect();
+        Self::join(wire, spans, cells, parts)
+    }
+
+    /// The runs of all tiles one after the other, with their influence.
+    fn join(wire: &Wire, spans: &Spans, cells: &Cells, parts: Vec<Self>) -> Self {
         let count = parts.iter().map(|p| p.index.len()).sum();
         let mut all = Self {
             index: Vec::with_capacity(count),
@@ -157,10 +186,7 @@ pub(crate) fn find_feet(pieces: &Pieces, tiles: &Tiles, reach: f64) -> Vec<Store
     let all = pieces.all();
     let tasks = feet.par_chunks_mut(TILE).zip(tiles.searched()).zip(&tiles.balls);
     tasks.for_each(|((out, tile), balls)| {
-        let Some(ball) = balls.tile else { return };
-        if ball.center.distance(pieces.ball.center) - ball.radius - pieces.ball.radius <= reach {
-            pulp::Arch::new().dispatch(Search { pieces, tile, balls, all: &all, reach, out });
-        }
+        search_tile(pieces, tile, balls, &all, reach, out);
     });
     let Some(order) = tiles.order() else { return feet };
     let mut by_index = vec![NO_FOOT; tiles.count];
@@ -170,7 +196,25 @@ pub(crate) fn find_feet(pieces: &Pieces, tiles: &Tiles, reach: f64) -> Vec<Store
     by_index
 }
 
-/// Searches the points of a tile, as many as `out` holds.
+/// Searches the points of a tile, as many as `out` holds; whether the curve may reach any.
+fn search_tile(
+    pieces: &Pieces,
+    tile: &Tile,
+    balls: &Balls,
+    all: &[Candidate],
+    reach: f64,
+    out: &mut [StoredFoot],
+) -> bool {
+    let Some(ball) = balls.tile else { return false };
+    let apart = ball.center.distance(pieces.ball.center) - ball.radius - pieces.ball.radius;
+    if apart > reach {
+        return false;
+    }
+    pulp::Arch::new().dispatch(Search { pieces, tile, balls, all, reach, out });
+    true
+}
+
+/// The search, compiled for the vector instructions the processor has.
 struct Search<'a> {
     pieces: &'a Pieces,
     tile: &'a Tile,

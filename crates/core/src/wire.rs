@@ -63,6 +63,9 @@ impl Wire {
     }
 }
 
+/// Radians. Beyond, a float32 angle says nothing of the direction within a turn.
+pub const LARGEST_TWIST: f32 = 1e6;
+
 /// Why a wire cannot be used.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -76,6 +79,12 @@ pub enum WireError {
     /// Another attribute, of the wire or of a locator, is NaN or infinite.
     #[error("the {0} is not finite")]
     NotFinite(&'static str),
+    /// A twist is larger than [`LARGEST_TWIST`].
+    #[error("the twist of {0} radians is larger than {LARGEST_TWIST}")]
+    Twist(f32),
+    /// The exponent of [`Density::Fold`] is below 1 or not finite.
+    #[error("the fold's exponent {0} is not 1 or more")]
+    Fold(f32),
     /// A locator lies outside the curve or before the one before it.
     #[error("locator {index} lies outside the curve or out of order")]
     Locator {
@@ -112,6 +121,15 @@ impl Wire {
         finite("rotation", self.rotation, |l| l.rotation)?;
         finite("amplitude", self.amplitude, |l| l.amplitude)?;
         finite("twist", self.twist, |l| l.twist)?;
+        let mut twists = carried(|l| l.twist).chain([self.twist]);
+        if let Some(twist) = twists.find(|t| t.abs() > LARGEST_TWIST) {
+            return Err(WireError::Twist(twist));
+        }
+        if let Density::Fold(q) = self.density
+            && !(q >= 1.0 && q.is_finite())
+        {
+            return Err(WireError::Fold(q));
+        }
         finite("exponent", self.exponent.unwrap_or(1.0), |_| None)
     }
 }
@@ -178,6 +196,19 @@ pub struct Blend {
     pub localize: f32,
     /// `k`: exponent of `F` in the local blend. Default 1.
     pub locality: f32,
+}
+
+impl Blend {
+    /// Whether every value is a number; the name of one that is not.
+    pub fn check(&self) -> Result<(), &'static str> {
+        let values = [
+            ("exponent", self.exponent),
+            ("crossing", self.crossing),
+            ("localize", self.localize),
+            ("locality", self.locality),
+        ];
+        values.into_iter().find(|(_, v)| !v.is_finite()).map_or(Ok(()), |(name, _)| Err(name))
+    }
 }
 
 impl Default for Blend {

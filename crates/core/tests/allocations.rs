@@ -27,6 +27,11 @@ fn a_frame_allocates_nothing() {
             }
             (wire.scale, wire.twist, wire.amplitude) =
                 (wire.scale * 1.1, wire.twist + 0.3, wire.amplitude * 0.9);
+            // A radius may shrink without a new binding.
+            wire.radius *= 0.9;
+            for radius in wire.locators.iter_mut().filter_map(|l| l.radius.as_mut()) {
+                *radius *= 0.9;
+            }
         }
         let mut out = vec![[0.0; 3]; points.len()];
         let counted = pool.install(|| {

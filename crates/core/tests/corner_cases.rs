@@ -1,6 +1,6 @@
 //! The corner cases of the contract, one test each.
 
-use wirework_core::{Bend, Binding, Blend, Correspondence, Curve, CurveKind, Density, Wire};
+use wirework_core::{Bend, Binding, Blend, Correspondence, Curve, CurveKind, Density, Locator, Wire};
 use wirework_reference as reference;
 
 fn deform(wires: &[Wire], points: &[[f32; 3]]) -> Vec<[f32; 3]> {
@@ -253,4 +253,27 @@ fn a_pose_that_does_not_fit_is_refused() {
         assert!(Binding::new(&[wire], &[[0.0; 3]]).is_err(), "radius {radius}");
     }
     assert!(binding.deform_into(&good, &Blend::default(), &mut out).is_ok(), "and goes on after a refusal");
+}
+
+#[test]
+fn values_out_of_range_are_refused() {
+    let wire = Wire::new(Curve::bspline(2, vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0]]).unwrap());
+    let points = [[0.5, 0.1, 0.0]];
+    let refused = |wire: Wire| Binding::new(&[wire], &points).is_err();
+    assert!(!refused(wire.clone()));
+    for density in [Density::Fold(f32::NAN), Density::Fold(0.5), Density::Fold(-1.0)] {
+        assert!(refused(Wire { density, ..wire.clone() }));
+    }
+    for radius in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(refused(Wire { radius, ..wire.clone() }));
+    }
+    assert!(refused(Wire { twist: 1e12, ..wire.clone() }));
+    assert!(refused(Wire { exponent: Some(f32::NAN), ..wire.clone() }));
+    let locators = vec![Locator { u: 0.5, ..Locator::default() }, Locator { u: 0.4, ..Locator::default() }];
+    assert!(refused(Wire { locators, ..wire.clone() }));
+    let mut binding = Binding::new(std::slice::from_ref(&wire), &points).unwrap();
+    let mut out = [[7.0; 3]];
+    let blend = Blend { crossing: f32::NAN, ..Blend::default() };
+    assert!(binding.deform_into(&[wire], &blend, &mut out).is_err());
+    assert_eq!(out, [[7.0; 3]], "nothing is written");
 }
