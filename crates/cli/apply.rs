@@ -1,8 +1,9 @@
 //! `wirework apply`.
 
+use std::fs;
 use std::path::Path;
 
-use wirework::asset::{OutputFile, printable, same_file, write_files};
+use wirework::asset::{OutputFile, printable, write_files};
 use wirework::{ApplyError, Fault, Job, Report, When, bake};
 
 use crate::args::{Apply, Bake};
@@ -12,7 +13,8 @@ use crate::presets;
 
 pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     let bake = bake(args.bake)?;
-    check_report(args)?;
+    let report_file = args.report.as_deref().filter(|path| *path != Path::new("-"));
+    report_file.map_or(Ok(()), check_report)?;
     let preset = presets::read(console, &args.preset, &args.limits.preset(), args.strict)?;
     // One from standard input stands in the current folder, and its object needs a name.
     let preset_path =
@@ -21,6 +23,7 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
         input: args.input.as_deref(),
         output: args.output.as_deref(),
         in_place: args.in_place,
+        report: report_file,
         dry_run: args.dry_run,
         fps: args.fps,
         when: match (&args.frames, args.at) {
@@ -64,17 +67,31 @@ fn bake(asked: Bake) -> Result<bake::Bake, Failure> {
     Err(Failure::new(Fault::Request, message))
 }
 
-/// The report must not take the place of a file that is read or written.
-fn check_report(args: &Apply) -> Result<(), Failure> {
-    let Some(report) = args.report.as_deref().filter(|path| *path != Path::new("-")) else { return Ok(()) };
-    let read = [args.input.as_deref(), Some(args.preset.as_path())].into_iter().flatten();
-    let taken =
-        args.output.as_deref() == Some(report) || read.into_iter().any(|path| same_file(path, report));
-    if taken {
-        let name = printable(&report.display().to_string());
-        return Err(Failure::new(Fault::Request, format!("{name}: the report needs a file of its own")));
+/// Whether a report can be written, before there is anything to report: a run that fails leaves what stood there.
+fn check_report(path: &Path) -> Result<(), Failure> {
+    let refuse = |found: &str, expected: &str| {
+        let name = printable(&path.display().to_string());
+        Err(Failure::work(format!("{name}: {found} for the report, expected {expected}")))
+    };
+    if let Ok(there) = fs::metadata(path) {
+        if there.is_dir() {
+            return refuse("found a folder", "a file, or no file yet");
+        }
+        if there.permissions().readonly() {
+            return refuse("found a file that is read-only", "one that may be replaced");
+        }
+        // A pipe or a terminal takes what it is given.
+        if !there.is_file() {
+            return Ok(());
+        }
     }
-    Ok(())
+    let place = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // Only making a file tells whether one can be made; this one goes at once.
+    match tempfile::Builder::new().prefix(".wirework-").tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(error) => refuse(&format!("found no place ({})", error.kind()), "a folder to write into"),
+    }
 }
 
 fn tell(console: Console, args: &Apply, report: &Report) -> Result<(), Failure> {

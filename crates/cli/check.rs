@@ -57,6 +57,10 @@ fn fit(preset: &PresetFile, path: &Path, args: &Check) -> Result<Vec<String>, Ap
     let Some(object) = &preset.object else { return Ok(Vec::new()) };
     let folder = path.parent().unwrap_or(Path::new(""));
     let subject = Subject::from_object(object, folder, "object", &args.limits.asset())?;
-    subject.bind(&preset.effect)?;
+    let mut now = subject.points.clone();
+    subject.bind(&preset.effect)?.at(0.0, &mut now)?;
+    if let Some(point) = now.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+        return Err(ApplyError::OutOfRange { point, seconds: 0.0 });
+    }
     Ok(subject.warnings())
 }

@@ -1,16 +1,16 @@
 //! From a preset and an input to files: read, bind, deform, shade, bake, write.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use wirework_asset::{Limits, same_file, write_files};
 use wirework_bake::{Bake, Settings};
 use wirework_preset::Preset;
 
-use crate::film::Film;
+use crate::film::{Film, check_clip};
 use crate::output::{Scene, Target};
 use crate::report::peak_bytes;
-use crate::subject::{Subject, stem, unfit};
+use crate::subject::{Model, Subject, stem, unfit};
 use crate::{ApplyError, Evaluation, Report, Schedule, When, schedule};
 
 /// What to apply, to what, and how.
@@ -26,6 +26,9 @@ pub struct Job<'a> {
     pub output: Option<&'a Path>,
     /// Whether the output may be the input. Default no.
     pub in_place: bool,
+    /// A file that the caller writes afterwards, such as a report: refused where the work reads or writes it. Default
+    /// none.
+    pub report: Option<&'a Path>,
     /// Do everything but write. Default no.
     pub dry_run: bool,
     /// Frames a second. Default 24.
@@ -59,6 +62,7 @@ impl<'a> Job<'a> {
             input: None,
             output: None,
             in_place: false,
+            report: None,
             dry_run: false,
             fps: 24.0,
             when: When::All,
@@ -102,6 +106,9 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     let preset = job.preset;
     let schedule = schedule(&job.when, preset.duration, preset.animated, job.fps, job.max_frames)?;
     let target = target(job, &schedule)?;
+    for path in [job.input, Some(job.preset_path), own_object(job).as_deref()].into_iter().flatten() {
+        guard_report(job, path)?;
+    }
     let subject = subject(job)?;
     let mut report = Report {
         points: subject.position_count(),
@@ -111,6 +118,12 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         ..Report::default()
     };
     let Subject { points, triangles, model, point_of, own } = subject;
+    if let Some(clip) = job.clip {
+        check_clip(&model, clip)?;
+    }
+    for path in parts(&model, job.input.map(Path::to_path_buf).or_else(|| own_object(job))) {
+        guard_report(job, &path)?;
+    }
     let evaluation = Evaluation::new(&preset.effect, &points, &triangles).map_err(unfit(own))?;
     let mut film = Film {
         now: points.clone(),
@@ -119,6 +132,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         schedule,
         shade: Duration::ZERO,
         write: Duration::ZERO,
+        own,
         progress,
     };
     let product = match (target, model) {
@@ -132,6 +146,9 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         return Err(ApplyError::Strict(report.warnings));
     }
     let write = Instant::now();
+    for file in product.files.iter().filter(|_| job.output.is_some()) {
+        guard_report(job, &file.path)?;
+    }
     if !job.dry_run {
         for file in product.files.iter().filter(|file| file.replace) {
             guard(job, &file.path)?;
@@ -161,6 +178,7 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, ApplyError> {
         };
     };
     guard(job, path)?;
+    guard_report(job, path)?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !job.dry_run && !folder.is_dir()) {
         return Err(ApplyError::NoFolder(folder.to_path_buf()));
@@ -197,12 +215,45 @@ fn guard(job: &Job<'_>, path: &Path) -> Result<(), ApplyError> {
     if same_file(job.preset_path, path) {
         return refuse("the preset");
     }
-    let folder = job.preset_path.parent().unwrap_or(Path::new(""));
-    let object = job.preset.object.as_ref().and_then(|object| object.file(folder));
-    if job.input.is_none() && object.is_some_and(|object| same_file(&object, path)) && !job.in_place {
+    if own_object(job).is_some_and(|object| same_file(&object, path)) && !job.in_place {
         return refuse("the preset's object; `--in-place` allows that");
     }
     Ok(())
+}
+
+/// Refuses a report in the place of a file that is read or written.
+fn guard_report(job: &Job<'_>, path: &Path) -> Result<(), ApplyError> {
+    match job.report {
+        Some(report) if same_place(report, path) => {
+            let name = wirework_asset::printable(&report.display().to_string());
+            Err(ApplyError::Request(format!("{name}: the report needs a file of its own")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The files that a glTF document refers to.
+fn parts(model: &Model, document: Option<PathBuf>) -> Vec<PathBuf> {
+    let (Model::Gltf { gltf, .. }, Some(document)) = (model, document) else { return Vec::new() };
+    let lists = ["buffers", "images"].into_iter().filter_map(|key| gltf.json().get(key)?.as_array());
+    let uris = lists.flatten().filter_map(|entry| entry.get("uri")?.as_str());
+    uris.filter(|uri| !uri.starts_with("data:")).map(|uri| document.with_file_name(uri)).collect()
+}
+
+/// Whether two paths are of one file, be it there or not yet.
+fn same_place(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+    };
+    a == b || same_file(a, b) || place(a).is_some_and(|a| place(b) == Some(a))
+}
+
+/// The file that the preset names as its object, where no input takes its place.
+fn own_object(job: &Job<'_>) -> Option<PathBuf> {
+    let folder = job.preset_path.parent().unwrap_or(Path::new(""));
+    let object = job.preset.object.as_ref().filter(|_| job.input.is_none())?;
+    object.file(folder)
 }
 
 fn subject(job: &Job<'_>) -> Result<Subject, ApplyError> {

@@ -7,7 +7,7 @@ use wirework_asset::{AssetError, ErrorClass, printable};
 use wirework_bake::BakeError;
 use wirework_core::BindError;
 use wirework_preset::ObjectError;
-use wirework_surface::{MeshError, NormalsError};
+use wirework_surface::{MeshError, NearestError, NormalsError};
 use wirework_wrinkle::WrinkleError;
 
 use crate::{EvaluateError, ScheduleError};
@@ -50,16 +50,6 @@ pub enum ApplyError {
     /// The preset's object cannot be built.
     #[error("the preset's object cannot be built: {0}")]
     Object(#[from] ObjectError),
-    /// A glTF file as a preset's object cannot be moved.
-    #[error(
-        "{}: `translation`, `rotation` and `scale` of a glTF file are not available in this version; \
-         move it where it was made",
-        printable(&.path.display().to_string())
-    )]
-    PlacedScene {
-        /// The file.
-        path: PathBuf,
-    },
     /// A mesh is not consistent.
     #[error("the mesh is not consistent: {0}")]
     Mesh(#[from] MeshError),
@@ -113,7 +103,6 @@ impl ApplyError {
             },
             Self::NoObject
             | Self::Object(_)
-            | Self::PlacedScene { .. }
             | Self::OutOfRange { .. }
             | Self::Bake(BakeError::Frame { .. }) => Fault::Preset,
             Self::Schedule(ScheduleError::TooMany { .. }) | Self::Bake(BakeError::TooManyTargets { .. }) => {
@@ -135,6 +124,11 @@ fn of_asset(error: &AssetError) -> Fault {
 
 fn of_evaluation(error: &EvaluateError) -> Fault {
     match error {
+        // What stands below is the result of another effect.
+        EvaluateError::Wrinkle {
+            effect: 1..,
+            error: WrinkleError::NoNormal { .. } | WrinkleError::Surface(NearestError::Vertex { .. }),
+        } => Fault::Preset,
         // A point set, where the effect needs faces.
         EvaluateError::Wrinkle {
             error: WrinkleError::Surface(_) | WrinkleError::NoNormal { .. }, ..

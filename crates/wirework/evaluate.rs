@@ -1,7 +1,8 @@
 //! An effect on a surface, at any time.
 //!
 //! What can be done once is: points are bound when the evaluation is made, creases are laid then. In a stack each
-//! effect works on the result of the one before; it is bound again only where that result has changed.
+//! effect works on the result of the one before; it is bound again only where that result has changed. Its creases are
+//! laid once all the same, on that result at 0 s, and stay on the same material of what moves below them.
 
 use std::time::{Duration, Instant};
 
@@ -82,7 +83,8 @@ pub enum EvaluateError {
 }
 
 impl<'a> Evaluation<'a> {
-    /// Binds an effect to a surface: points in any order, triangles that index them (only wrinkles need any).
+    /// Binds an effect to a surface: points in any order, triangles that index them (only wrinkles need any). A stack is
+    /// worked out once, at 0 s, so that an effect that does not fit the one before it is found here.
     pub fn new(
         effect: &'a Effect,
         points: &'a [[f32; 3]],
@@ -94,7 +96,14 @@ impl<'a> Evaluation<'a> {
         if let Some(first) = stages.first_mut() {
             first.bind(0.0, points, triangles, &mut spent)?;
         }
-        Ok(Self { points, triangles, stages, base: Vec::new(), spent })
+        let mut new = Self { points, triangles, stages, base: Vec::new(), spent };
+        if new.stages.len() > 1 {
+            new.at(0.0, &mut points.to_vec())?;
+            // Nobody has asked for a moment yet.
+            new.spent.deform = Duration::ZERO;
+            new.stages.iter_mut().for_each(|stage| stage.reached = false);
+        }
+        Ok(new)
     }
 
     /// The points at `seconds`, into a buffer as long as the points are many. A point that nothing moves keeps its bits.
@@ -144,7 +153,10 @@ struct Stage<'a> {
     effect: &'a Effect,
     blend: Blend,
     wires: Vec<Wire>,
-    creases: Option<Creases>,
+    /// The creases as they were laid at 0 s.
+    laid: Option<Creases>,
+    /// The creases where they are now, if the surface moves.
+    moved: Option<Creases>,
     binding: Option<Binding>,
     /// The points it is bound to; kept only where they may change.
     bound_to: Vec<[f32; 3]>,
@@ -163,7 +175,8 @@ fn flatten<'a>(effect: &'a Effect, stages: &mut Vec<Stage<'a>>) {
         effect,
         blend,
         wires: Vec::new(),
-        creases: None,
+        laid: None,
+        moved: None,
         binding: None,
         bound_to: Vec::new(),
         reached: false,
@@ -188,8 +201,11 @@ impl Stage<'_> {
         let start = Instant::now();
         if let Effect::Wrinkle(wrinkle) = self.effect {
             let surface = SurfaceView { positions: points, triangles };
-            let laid = creases(&surface, wrinkle);
-            self.creases = Some(laid.map_err(|error| EvaluateError::Wrinkle { effect: self.index, error })?);
+            let fail = |error| EvaluateError::Wrinkle { effect: self.index, error };
+            match &self.laid {
+                None => self.laid = Some(creases(&surface, wrinkle).map_err(fail)?),
+                Some(laid) => self.moved = Some(laid.moved(&surface).map_err(fail)?),
+            }
         }
         self.move_wires(seconds);
         let bound = Binding::new(&self.wires, points);
@@ -209,7 +225,7 @@ impl Stage<'_> {
                 }
             }
             Effect::Wrinkle(_) => {
-                if let Some(creases) = &self.creases {
+                if let Some(creases) = self.moved.as_ref().or(self.laid.as_ref()) {
                     creases.wires_at(seconds, &mut self.wires);
                 }
             }
@@ -271,6 +287,35 @@ mod tests {
         let rising = RISING.replace("(-1, 1, 0), (1, 1, 0)", "(-1, 0, 0), (1, 0, 0)");
         let (found, again) = heights(&stack(&rising, down), &[0.0, 0.5, 1.0]);
         assert_eq!((found, again), (vec![0.0, 1.0, 5.0], true));
+    }
+
+    #[test]
+    fn a_crease_stays_on_its_material_when_the_surface_moves() {
+        // All of the grid goes sideways, across the crease, and up: a wire with a radius far beyond it, moved as a whole.
+        let wrinkle =
+            "Wrinkle(pattern: Drawn([Polyline(points: [(-0.8, 0, 0), (0.8, 0, 0)])]), thickness: 0.2)";
+        let carry = "Deform(wires: [Wire(curve: Polyline(points: [(-2, 0, 0), (2, 0, 0)]), radius: 1e6, \
+                     pose: Keys([(0, [(-2, 0, 0), (2, 0, 0)]), (1, [(-2, 0.25, 0.5), (2, 0.25, 0.5)])]))])";
+        let read = |text: &str| parse(text.as_bytes(), &Limits::default()).unwrap().preset;
+        let (alone, stack) = (read(wrinkle), read(&format!("Stack([{carry}, {wrinkle}])")));
+        let mesh = grid([2.0, 2.0], [32, 32], [0.0, 1.0, 0.0]).unwrap();
+        let triangles = mesh.triangles().unwrap();
+        let mut want = mesh.positions.clone();
+        Evaluation::new(&alone.effect, &mesh.positions, &triangles).unwrap().at(0.0, &mut want).unwrap();
+        assert!(want[16 * 33 + 16][1] > 0.049, "there is a crest in the middle");
+        // The still of a moment must not depend on the moments before it.
+        for times in [&[0.0, 0.5, 1.0][..], &[1.0], &[0.5, 1.0, 0.0]] {
+            let mut effect = Evaluation::new(&stack.effect, &mesh.positions, &triangles).unwrap();
+            let mut out = mesh.positions.clone();
+            for &t in times {
+                effect.at(t, &mut out).unwrap();
+                let way = [0.0, 0.25 * t as f32, 0.5 * t as f32];
+                for (i, (found, want)) in out.iter().zip(&want).enumerate() {
+                    let off = (0..3).map(|a| (found[a] - want[a] - way[a]).abs()).fold(0.0, f32::max);
+                    assert!(off < 2e-5, "vertex {i} at {t} s of {times:?}: {found:?}, {off} off");
+                }
+            }
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use wirework_surface::Mesh;
 use crate::error::count;
 use crate::output::{Pattern, Scene, scene_mesh};
 use crate::shade::{Vertices, own_normals};
-use crate::subject::Model;
+use crate::subject::{Model, unfit};
 use crate::{ApplyError, Evaluation, Job, Progress, Schedule};
 
 /// What came out.
@@ -28,6 +28,8 @@ pub(crate) struct Film<'a> {
     pub(crate) schedule: Schedule,
     pub(crate) shade: Duration,
     pub(crate) write: Duration,
+    /// Whether the object is made of numbers in the preset.
+    pub(crate) own: bool,
     pub(crate) progress: &'a mut (dyn FnMut(Progress) + Send),
 }
 
@@ -40,7 +42,7 @@ impl Film<'_> {
     ) -> Result<(), ApplyError> {
         let frames = self.schedule.count();
         for (done, (frame, seconds)) in self.schedule.moments().enumerate() {
-            self.evaluation.at(seconds, &mut self.now)?;
+            self.evaluation.at(seconds, &mut self.now).map_err(unfit(self.own))?;
             if let Some(point) = self.now.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
                 return Err(ApplyError::OutOfRange { point, seconds });
             }
@@ -65,9 +67,6 @@ impl Film<'_> {
         scene: Scene,
     ) -> Result<Product, ApplyError> {
         let Scene { mut gltf, rest, point_of } = scene;
-        if let Some(clip) = job.clip {
-            find_clip(&gltf, clip)?;
-        }
         let known = gltf.warnings().len();
         let start = Instant::now();
         let mut vertices = [Vertices::of_scene(&rest, point_of)?];
@@ -167,9 +166,21 @@ fn obj_text(obj: Option<&Obj>, mesh: &Mesh) -> Vec<u8> {
     obj.map_or_else(|| write_obj(mesh), |obj| obj.write(mesh))
 }
 
+/// Whether the clip that is asked for is there, whatever is written.
+pub(crate) fn check_clip(model: &Model, wanted: &str) -> Result<(), ApplyError> {
+    let names = match model {
+        Model::Gltf { gltf, .. } => gltf.clip_names(),
+        Model::Mesh { .. } => Vec::new(),
+    };
+    clip_of(&names, wanted).map(|_| ())
+}
+
 /// The clip of a name, or else of a number.
 fn find_clip(gltf: &Gltf, wanted: &str) -> Result<usize, ApplyError> {
-    let names = gltf.clip_names();
+    clip_of(&gltf.clip_names(), wanted)
+}
+
+fn clip_of(names: &[Option<&str>], wanted: &str) -> Result<usize, ApplyError> {
     let by_number = || wanted.parse().ok().filter(|&index: &usize| index < names.len());
     names.iter().position(|name| *name == Some(wanted)).or_else(by_number).ok_or_else(|| {
         let known: Vec<String> = names

@@ -128,7 +128,6 @@ pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{
     AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, PresetFacts, SkinFacts, inspect_asset,
 };
-pub use output::{Pattern, Target};
 pub use preset_file::{PresetFile, PresetFileError, parse_preset, read_preset};
 pub use report::Report;
 pub use schedule::{Schedule, ScheduleError, When, schedule};

@@ -13,7 +13,7 @@ const MARKS: usize = 4;
 
 /// What is written, as the name of the output says.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Target {
+pub(crate) enum Target {
     /// A glTF document in one of its two forms: an animation or a still.
     Gltf(Format),
     /// One OBJ file: a still.
@@ -24,7 +24,7 @@ pub enum Target {
 
 /// The name of the files of a sequence.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pattern {
+pub(crate) struct Pattern {
     folder: PathBuf,
     before: String,
     digits: usize,
@@ -33,7 +33,7 @@ pub struct Pattern {
 
 impl Target {
     /// What `path` asks for by its extension, `.glb`, `.gltf` or `.obj`, and for an OBJ by `####` in its name.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub(crate) fn of(path: &Path) -> Option<Self> {
         if let Some(format) = Format::of(path) {
             return Some(Self::Gltf(format));
         }
@@ -60,7 +60,7 @@ impl Pattern {
     }
 
     /// The file of a frame, its number padded with zeros.
-    pub fn file(&self, frame: u32) -> PathBuf {
+    pub(crate) fn file(&self, frame: u32) -> PathBuf {
         let Self { folder, before, digits, after } = self;
         folder.join(format!("{before}{frame:0digits$}{after}"))
     }

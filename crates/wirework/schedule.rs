@@ -56,13 +56,18 @@ pub enum ScheduleError {
         frame: u32,
     },
     /// More frames than allowed.
-    #[error("{frames} frames are more than the {limit} that are allowed (--max-frames raises it)")]
+    #[error("{} frames are more than the {limit} that are allowed (--max-frames raises it)", short(*.frames))]
     TooMany {
         /// How many there are.
         frames: f64,
         /// How many may be.
         limit: u32,
     },
+}
+
+/// A number that may have hundreds of digits.
+fn short(number: f64) -> String {
+    if number < 1e15 { number.to_string() } else { format!("{number:.1e}") }
 }
 
 /// The moments of an effect of `duration` seconds: frame `k` at `k / fps` seconds, the last one ⌈duration · fps⌉.
@@ -161,6 +166,8 @@ mod tests {
         assert!(matches!(schedule(When::Frames(5..5), 10.0), Err(ScheduleError::Empty(_))));
         assert!(matches!(schedule(When::All, 0.0), Err(ScheduleError::FrameRate(_))));
         assert!(matches!(schedule(When::All, 1e9), Err(ScheduleError::TooMany { .. })));
+        let far = schedule(When::All, 1e300).unwrap_err().to_string();
+        assert!(far.starts_with("2.0e300 frames are more"), "{far}");
         assert!(matches!(schedule(When::Frames(0..101), 1.0), Err(ScheduleError::TooMany { .. })));
         assert!(matches!(schedule(When::At(f64::NAN), 1.0), Err(ScheduleError::Time(_))));
         let far = When::Frames(4_000_000_000..4_000_000_002);

@@ -119,7 +119,10 @@ impl Subject {
                     .map_err(|error| ApplyError::Object(error.into()))?;
                 Self::new(Model::Mesh { name, mesh, obj })
             }
-            Model::Gltf { .. } => Err(ApplyError::PlacedScene { path }),
+            Model::Gltf { mut gltf, .. } => {
+                gltf.place(&object.transform)?;
+                Ok(Self::from_gltf(*gltf)?)
+            }
         }
     }
 

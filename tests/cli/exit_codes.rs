@@ -29,6 +29,19 @@ fn place() -> Place {
         "cloud.ron",
         "Wrinkle(object: Points([(0, 0, 0)]), pattern: Drawn([Polyline(points: [(0, 0, 0), (1, 0, 0)])]))",
     );
+    place.write(
+        "heap.ron",
+        "Stack([Deform(object: Points([(0, 0, 0)]), wires: [Wire(curve: Polyline(points: [(0, 0, 0), (1, 0, 0)]), \
+         pose: [(0, 1, 0), (1, 1, 0)])]), \
+         Wrinkle(pattern: Drawn([Polyline(points: [(0, 0, 0), (1, 0, 0)])]))])",
+    );
+    place.write("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3\n");
+    place.write(
+        "burst.ron",
+        "Stack([Deform(wires: [Wire(curve: Polyline(points: [(-1, 0, 0), (1, 0, 0)]), radius: 5, \
+         pose: [(-1, 1e38, 0), (1, 1e38, 0)], amplitude: 1e30)]), \
+         Wrinkle(pattern: Drawn([Polyline(points: [(0, 0, 0), (1, 0, 0)])]))])",
+    );
     place.write("bad.glb", "glTF");
     place.write("bad.obj", "v 0 0 0\nf 1 2 3\n");
     place.write("text.txt", "hello");
@@ -41,6 +54,10 @@ fn every_failure_has_its_exit_code() {
     let place = place();
     let before = place.files();
     for (code, line) in [
+        // 1, the work: no place for what is written.
+        (1, "apply lift.ron -o nowhere/out.glb"),
+        (1, "apply lift.ron -o out.glb --report nowhere/report.json"),
+        (1, "apply lift.ron -o out.glb --report ."),
         // 2, the command line.
         (2, ""),
         (2, "render lift.ron -o out.png"),
@@ -60,6 +77,16 @@ fn every_failure_has_its_exit_code() {
         (2, "apply lift.ron -o out.glb --bake skin"),
         (2, "apply lift.ron -o out.glb --bake nonsense"),
         (2, "apply lift.ron -o lift.ron"),
+        // The report in the place of what is written or read.
+        (2, "apply lift.ron -o out.glb --report out.glb"),
+        (2, "apply lift.ron -o out.glb --report ./out.glb"),
+        (2, "apply lift.ron -o ./out.glb --report out.glb --dry-run"),
+        (2, "apply lift.ron -o f####.obj --report f0000.obj"),
+        (2, "apply lift.ron -o out.gltf --report out.bin"),
+        (2, "apply lift.ron -o out.glb --report ./lift.ron"),
+        (2, "apply lift.ron bad.obj -o out.glb --report ./bad.obj"),
+        (2, "apply lift.ron -o out.glb --clip nonsense"),
+        (2, "apply lift.ron -o out.obj --at 0 --clip nonsense"),
         (2, "new stitch"),
         (2, "new ik"),
         (2, "new wrinkel"),
@@ -89,6 +116,10 @@ fn every_failure_has_its_exit_code() {
         (4, "inspect typo.ron"),
         (4, "apply cloud.ron -o out.glb"),
         (4, "check cloud.ron"),
+        (4, "apply heap.ron -o out.glb"),
+        (4, "check heap.ron"),
+        (4, "check wild.ron"),
+        (4, "apply burst.ron triangle.obj -o out.glb"),
         // 5, a limit.
         (5, "apply huge.ron -o out.glb"),
         (5, "apply long.ron -o out.glb"),
@@ -103,6 +134,7 @@ fn every_failure_has_its_exit_code() {
         assert_eq!(done.code(), code, "{line}: {err}");
         assert!(!err.is_empty() && done.out().is_empty(), "{line}: what is said is on standard error");
         assert!(!err.contains("has a bug"), "{line}: {err}");
+        assert!(code != 5 || err.contains("--max-"), "{line}: which flag raises the limit? {err}");
         assert_eq!(place.files(), before, "{line}: nothing is written");
     }
 }
@@ -192,4 +224,30 @@ fn a_closed_pipe_is_no_failure() {
         assert!(done.status.success(), "{args:?}: {:?}", String::from_utf8_lossy(&done.stderr));
         assert!(done.stderr.is_empty());
     }
+}
+
+#[test]
+fn a_report_never_takes_the_place_of_anything() {
+    let place = Place::new();
+    place.run("apply lift.ron -o in.gltf --at 0").expect(0);
+    place.write("out.glb", "precious");
+    let buffer = place.read("in.bin");
+    for line in [
+        "apply lift.ron -o out.glb --report ./out.glb",
+        "apply lift.ron in.gltf -o new.glb --report in.bin",
+        "apply lift.ron in.gltf -o new.glb --report ./in.bin --dry-run",
+    ] {
+        place.run(line).expect(2);
+        assert!(place.read("out.glb") == b"precious" && place.read("in.bin") == buffer, "{line}");
+        assert!(!place.files().contains(&"new.glb".to_owned()), "{line}");
+    }
+    // A report that cannot be written is found before the output is.
+    let err = place.run("apply lift.ron -o out.glb --report nowhere/report.json").expect(1).err();
+    assert!(err.contains("nowhere/report.json") && err.contains("expected a folder"), "{err}");
+    assert!(place.read("out.glb") == b"precious");
+    // One beside the output is none of that, and an older one is replaced.
+    for _ in 0..2 {
+        place.run("apply lift.ron -o out.glb --report out.json").expect(0);
+    }
+    assert!(place.read("out.json").starts_with(b"{"));
 }

@@ -4,8 +4,13 @@
 mod apply;
 mod commands;
 mod exit_codes;
+mod made_files;
 mod place;
 mod real_files;
 
 #[path = "../../crates/asset/tests/oracle/mod.rs"]
 mod oracle;
+
+#[path = "../../crates/asset/tests/make/mod.rs"]
+#[expect(dead_code, reason = "the tests of the asset crate use more of it")]
+mod make;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::container;
+use crate::edit::whole;
 use crate::error::{AssetError, Place, Warning};
 use crate::json::Json;
 use crate::limits::{Budget, Limits, Of};
@@ -141,6 +142,7 @@ impl Gltf {
         check_version(gltf.root())?;
         check_extensions(gltf.root())?;
         gltf.load_buffers(budget)?;
+        gltf.check_views();
         Ok(gltf)
     }
 
@@ -224,6 +226,25 @@ impl Gltf {
         Ok(())
     }
 
+    /// Warns of views that end beyond their buffer. Where geometry uses one it is an error there.
+    fn check_views(&mut self) {
+        let mut warnings = Vec::new();
+        for (index, view) in self.list("bufferViews").iter().enumerate() {
+            let number = |key| view.get(key).and_then(whole);
+            let Some(buffer) = number("buffer").and_then(|buffer| self.buffers.get(buffer)) else { continue };
+            let (offset, length) = (number("byteOffset").unwrap_or(0), number("byteLength").unwrap_or(0));
+            if offset.checked_add(length).is_none_or(|end| end > buffer.length) {
+                let message = format!(
+                    "{length} bytes from byte {offset} are beyond the {} bytes of the buffer; the view stays as it is",
+                    buffer.length
+                );
+                let place = Place::Pointer(format!("/bufferViews/{index}"));
+                warnings.push(Warning::new("view-range", place, message));
+            }
+        }
+        self.warnings.append(&mut warnings);
+    }
+
     fn load_uri(&self, uri: Json<'_>, budget: &mut Budget) -> Result<(Vec<u8>, Source), AssetError> {
         match uri::parse(uri.string()?).map_err(|expected| uri.fault(expected))? {
             uri::Target::Data(_, bytes) => Ok((bytes, Source::Data)),
@@ -243,10 +264,44 @@ impl Gltf {
 fn parse_json(text: &[u8]) -> Result<Value, AssetError> {
     // Some writers pad with NUL where the standard asks for spaces.
     let end = text.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
+    if let Some(at) = reserved_key(&text[..end]) {
+        let line = text[..at].split(|&b| b == b'\n').count();
+        return Err(AssetError::new(
+            Place::Line(line),
+            format!("the key {RESERVED:?}"),
+            "other keys: this one cannot be kept as it is",
+        ));
+    }
     serde_json::from_slice(&text[..end]).map_err(|error| {
         let place = if error.line() > 0 { Place::Line(error.line()) } else { Place::File };
         AssetError::new(place, format!("text that is not JSON ({error})"), "a glTF document")
     })
+}
+
+/// The key by which the JSON reader hands numbers on as they are written: an object that begins with it would come
+/// out as a number.
+const RESERVED: &str = "$serde_json::private::Number";
+
+/// Where the text has that key, escapes resolved. Of text that is not JSON anything may be said: it is refused next.
+fn reserved_key(text: &[u8]) -> Option<usize> {
+    let mut at = 0;
+    while let Some(start) = text[at..].iter().position(|&b| b == b'"').map(|quote| at + quote) {
+        let mut end = start + 1;
+        while let Some(&b) = text.get(end).filter(|&&b| b != b'"') {
+            end += if b == b'\\' { 2 } else { 1 };
+        }
+        let string = text.get(start..=end)?;
+        at = end + 1;
+        // A character is escaped as six at most.
+        let candidate = matches!(string[1], b'$' | b'\\') && string.len() <= 6 * RESERVED.len() + 2;
+        if candidate
+            && text[at..].iter().find(|b| !b.is_ascii_whitespace()) == Some(&b':')
+            && serde_json::from_slice::<String>(string).is_ok_and(|key| key == RESERVED)
+        {
+            return Some(start);
+        }
+    }
+    None
 }
 
 fn check_version(root: Json<'_>) -> Result<(), AssetError> {

@@ -18,7 +18,7 @@ pub(crate) struct Node {
     pub(crate) skin: Option<usize>,
     pub(crate) weights: Option<Vec<f64>>,
     children: Vec<usize>,
-    parent: Option<usize>,
+    pub(crate) parent: Option<usize>,
     local: DAffine3,
 }
 
@@ -49,8 +49,7 @@ impl Gltf {
             nodes.push(self.node(json, count, warnings)?);
         }
         link(&mut nodes, table)?;
-        let roots: Vec<usize> = (0..count).filter(|&i| nodes[i].parent.is_none()).collect();
-        let order = walk(&nodes, &roots);
+        let order = walk(&nodes, &roots(&nodes));
         if order.len() < count {
             return Err(cycle(&nodes, &order, table)?);
         }
@@ -68,7 +67,8 @@ impl Gltf {
         Ok(Graph { nodes, world, shown })
     }
 
-    fn scene_nodes(&self, count: usize) -> Result<Option<Vec<usize>>, AssetError> {
+    /// The nodes that the default scene lists; none where there is no scene.
+    pub(crate) fn scene_nodes(&self, count: usize) -> Result<Option<Vec<usize>>, AssetError> {
         let scene = match (self.root().get("scene")?, self.table("scenes")?) {
             (Some(reference), _) => self.follow("scenes", reference)?.1,
             (None, Some(scenes)) if !scenes.array()?.is_empty() => scenes.item(0)?,
@@ -90,6 +90,17 @@ impl Gltf {
         let weights = json.get("weights")?.map(floats).transpose()?;
         Ok(Node { mesh, skin, weights, children, parent: None, local: local(json, warnings)? })
     }
+}
+
+impl Graph {
+    /// The nodes that are no other node's child.
+    pub(crate) fn roots(&self) -> Vec<usize> {
+        roots(&self.nodes)
+    }
+}
+
+fn roots(nodes: &[Node]) -> Vec<usize> {
+    (0..nodes.len()).filter(|&i| nodes[i].parent.is_none()).collect()
 }
 
 /// An array of finite numbers of any length.

@@ -23,6 +23,7 @@ mod morph;
 mod names;
 mod obj;
 mod output;
+mod place;
 mod primitive;
 mod rest;
 mod save;

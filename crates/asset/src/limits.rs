@@ -36,6 +36,19 @@ impl Default for Limits {
     }
 }
 
+impl Limits {
+    /// Whether a new mesh of so many vertices and indices keeps within them: to be asked before it is built.
+    ///
+    /// # Errors
+    ///
+    /// Of class [`ErrorClass::Limit`], with the flag that raises the limit.
+    pub fn check_mesh(&self, vertices: u64, indices: u64) -> Result<(), AssetError> {
+        let mut budget = Budget::new(self);
+        budget.charge(Of::Vertices, vertices, || Place::File)?;
+        budget.charge(Of::Indices, indices, || Place::File)
+    }
+}
+
 /// What the limits are about, each with the flag that raises it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Of {

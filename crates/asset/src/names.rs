@@ -20,11 +20,6 @@ impl Gltf {
         self.name("meshes", mesh)
     }
 
-    /// The name of a material.
-    pub fn material_name(&self, material: usize) -> Option<&str> {
-        self.name("materials", material)
-    }
-
     /// The names of all clips, in their order.
     pub fn clip_names(&self) -> Vec<Option<&str>> {
         (0..self.list("animations").len()).map(|clip| self.name("animations", clip)).collect()

@@ -65,7 +65,7 @@ impl Gltf {
                 format!("{length} corners are no whole number of triangles; the last ones are left out");
             warnings.push(Warning::new("corners", primitive.place(), message));
         }
-        budget.charge(Of::ExpandedBytes, number as u64 * 12, || primitive.place())?;
+        budget.charge(Of::ExpandedBytes, (number as u64).saturating_mul(12), || primitive.place())?;
         let mut out = reserve(number)?;
         let all = (0..number).map(|i| match mode {
             Mode::TriangleStrip => triangle(i, i + 1 + i % 2, i + 2 - i % 2),

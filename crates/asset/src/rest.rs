@@ -259,9 +259,9 @@ impl Shown<'_> {
             }
         };
         let first = rest.positions.len();
-        if u32::try_from(first + count).is_err() {
+        if u32::try_from(first.saturating_add(count)).is_err() {
             return Err(primitive
-                .found("more vertices than 32 bits count", "fewer")
+                .found("more vertices than 32 bits count", "fewer: no flag raises this")
                 .of_class(ErrorClass::Limit));
         }
         let matrix = |v: usize| skinned.as_ref().map_or(node, |matrices| &matrices[v]);

@@ -17,7 +17,7 @@ use crate::uri;
 const ESCAPED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'_').remove(b'.').remove(b'~');
 
 /// Extensions of buffer views that refer to buffers of their own.
-const VIEW_EXTENSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+pub(crate) const VIEW_EXTENSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// The two forms of a glTF document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -207,16 +207,17 @@ impl Gltf {
     }
 }
 
-/// Lets a view refer to the one buffer.
+/// Lets a view refer to the one buffer. One that no buffer can hold, of which reading warned, stays as it is.
 fn move_view(view: &mut Value, starts: &[usize]) {
     let Some(start) = view.get("buffer").and_then(whole).and_then(|buffer| starts.get(buffer)) else {
         return;
     };
     let offset = view.get("byteOffset").and_then(whole).unwrap_or(0);
+    let Some(moved) = offset.checked_add(*start) else { return };
     if let Some(view) = view.as_object_mut() {
         view.insert("buffer".to_owned(), json!(0));
         if *start > 0 {
-            view.insert("byteOffset".to_owned(), json!(offset + start));
+            view.insert("byteOffset".to_owned(), json!(moved));
         }
     }
 }

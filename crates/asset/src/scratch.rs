@@ -29,8 +29,28 @@ impl Gltf {
     ///
     /// # Errors
     ///
-    /// A mesh without vertices, lists of unequal length, numbers that are not finite, indices out of range.
+    /// A mesh without vertices, lists of unequal length, numbers that are not finite, indices out of range, more than
+    /// the default [`Limits`] allow.
     pub fn from_meshes(name: &str, meshes: &[NewMesh<'_>]) -> Result<Self, AssetError> {
+        Self::from_meshes_within(name, meshes, &Limits::default())
+    }
+
+    /// [`Gltf::from_meshes`] with limits of the caller's, which the document keeps.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Gltf::from_meshes`], with `limits` in place of the default ones.
+    pub fn from_meshes_within(
+        name: &str,
+        meshes: &[NewMesh<'_>],
+        limits: &Limits,
+    ) -> Result<Self, AssetError> {
+        let (mut vertices, mut indices) = (0_u64, 0_u64);
+        for mesh in meshes {
+            vertices = vertices.saturating_add(mesh.positions.len() as u64);
+            indices = indices.saturating_add(mesh.triangles.as_flattened().len() as u64);
+        }
+        limits.check_mesh(vertices, indices).map_err(|error| error.in_file(name))?;
         let generator = concat!("wirework ", env!("CARGO_PKG_VERSION"));
         let mut gltf = Self {
             file: name.to_owned(),
@@ -46,7 +66,8 @@ impl Gltf {
             buffers: Vec::new(),
             orphan: None,
             chunks: Vec::new(),
-            limits: Limits::default(),
+            // What is read back was in memory before: it expands to nothing that was not asked for.
+            limits: Limits { expanded_bytes: u64::MAX, ..*limits },
             warnings: Vec::new(),
             growing: None,
             written: crate::delta::Written::default(),

@@ -25,7 +25,8 @@ pub(crate) fn joint_matrices(
     if count == 0 {
         return Err(joints.fault("at least one joint"));
     }
-    budget.charge(Of::ExpandedBytes, (count * size_of::<DAffine3>()) as u64, || joints.place())?;
+    budget
+        .charge(Of::ExpandedBytes, count.saturating_mul(size_of::<DAffine3>()) as u64, || joints.place())?;
     let mut out = reserve(count)?;
     for joint in joints.items()? {
         out.push(graph.world[joint.index("node", graph.nodes.len())?]);
@@ -59,7 +60,9 @@ pub(crate) fn vertex_matrices(
     budget: &mut Budget,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<DAffine3>, AssetError> {
-    budget.charge(Of::ExpandedBytes, (count * size_of::<(DAffine3, f64)>()) as u64, || attributes.place())?;
+    budget.charge(Of::ExpandedBytes, count.saturating_mul(size_of::<(DAffine3, f64)>()) as u64, || {
+        attributes.place()
+    })?;
     let mut out = reserve(count)?;
     out.resize(count, DAffine3::ZERO);
     let mut sums: Vec<f64> = reserve(count)?;

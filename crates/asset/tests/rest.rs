@@ -4,7 +4,7 @@ use serde_json::json;
 use wirework_asset::{ErrorClass, Mode, Place};
 
 mod make;
-use make::{Doc, triangle};
+use make::{Doc, skinned, triangle};
 
 fn close(a: [f32; 3], b: [f32; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
@@ -41,29 +41,6 @@ fn normals_go_through_the_inverse_transpose() {
     let rest = doc.rest().unwrap();
     let length = 1.25_f32.sqrt();
     assert!(close(rest.blocks[0].normals.as_ref().unwrap()[0], [0.5 / length, 1.0 / length, 0.0]));
-}
-
-/// Two joints, the second moved by (0, 0, 3) from where it was bound; `weights` of the first vertex.
-fn skinned(weights: [f32; 4]) -> Doc {
-    let mut doc = triangle(json!({ "skin": 0, "translation": [100, 0, 0] }));
-    doc.node(json!({ "translation": [0, 0, 3], "children": [2] }));
-    doc.node(json!({ "translation": [0, 5, 0] }));
-    let identity = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-    let mut binds = identity.to_vec();
-    binds[14] = -3.0;
-    binds.extend(identity);
-    binds[29] = -5.0;
-    let binds = doc.floats("MAT4", &binds);
-    doc.json["skins"] = json!([{ "joints": [1, 2], "inverseBindMatrices": binds }]);
-    let joints =
-        doc.accessor(json!({ "componentType": 5121, "type": "VEC4", "count": 3 }), &[0, 1, 0, 0].repeat(3));
-    let mut all = weights.to_vec();
-    all.extend([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
-    let weights = doc.floats("VEC4", &all);
-    let attributes = &mut doc.json["meshes"][0]["primitives"][0]["attributes"];
-    attributes["JOINTS_0"] = json!(joints);
-    attributes["WEIGHTS_0"] = json!(weights);
-    doc
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use serde_json::json;
 use wirework_asset::{Format, Gltf, Limits, NewMesh, Rest, same_file, write_files};
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod make;
 #[expect(dead_code, reason = "each test file uses its own part")]
 mod oracle;

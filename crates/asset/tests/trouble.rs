@@ -115,3 +115,63 @@ proptest! {
         let _ = use_it(&glb);
     }
 }
+
+#[test]
+fn a_view_no_buffer_can_hold_stays_as_it_is_with_a_warning() {
+    let buffer = json!({ "uri": "data:;base64,AAAAAA==", "byteLength": 4 });
+    let view = json!({ "buffer": 1, "byteOffset": u64::MAX, "byteLength": 4 });
+    let json = json!({
+        "asset": { "version": "2.0" }, "buffers": [buffer, buffer],
+        "bufferViews": [{ "buffer": 1, "byteLength": 4 }, view],
+    });
+    let gltf = Gltf::from_slice(json.to_string().as_bytes(), "far.gltf", &Limits::default()).unwrap();
+    let warnings: Vec<String> = gltf.warnings().iter().map(ToString::to_string).collect();
+    assert!(matches!(&warnings[..], [one] if one.starts_with("/bufferViews/1: ")), "{warnings:?}");
+    let back = Gltf::from_slice(&gltf.to_glb().unwrap(), "far.glb", &Limits::default()).unwrap();
+    let moved = json!({ "buffer": 0, "byteLength": 4, "byteOffset": 4 });
+    assert_eq!(back.json()["bufferViews"], json!([moved, view]));
+}
+
+#[test]
+fn the_key_that_numbers_are_read_by_is_refused() {
+    let read = |extras: &str| {
+        let text = format!("{{\"asset\":{{\"version\":\"2.0\"}},\n\"extras\":{extras}}}");
+        Gltf::from_slice(text.as_bytes(), "a.gltf", &Limits::default())
+    };
+    for extras in [
+        r#"{"$serde_json::private::Number":"5"}"#,
+        r#"{"\u0024serde_json::private::Number" : "5"}"#,
+        r#"["\\", {"\u0024\u0073erde_json::private::\u004eumber":"5"}]"#,
+        r#"{"$serde_json::private::Number":7}"#,
+    ] {
+        let error = read(extras).unwrap_err().to_string();
+        assert!(error.starts_with("a.gltf:2: ") && error.contains("private::Number"), "{error}");
+    }
+    for extras in [r#"["$serde_json::private::Number"]"#, r#"{"$serde_json":"\""}"#, r#"{"a\"$":1.50}"#] {
+        let gltf = read(extras).unwrap();
+        assert_eq!(gltf.json()["extras"].to_string(), extras);
+    }
+    for text in ["\"", "\"\\", "\"$\\", "{\"$serde_json::private::Number\""] {
+        assert!(Gltf::from_slice(text.as_bytes(), "a.gltf", &Limits::default()).is_err());
+    }
+}
+
+#[test]
+fn new_documents_keep_within_the_limits_of_the_caller() {
+    let mesh = wirework_asset::NewMesh {
+        name: "p",
+        positions: &[[0.0; 3]; 3],
+        normals: None,
+        uvs: None,
+        triangles: &[[0, 1, 2]],
+    };
+    let within = |vertices, indices| {
+        Gltf::from_meshes_within("p", &[mesh], &Limits { vertices, indices, ..Limits::default() })
+    };
+    assert!(within(3, 3).is_ok_and(|gltf| gltf.rest().is_ok()));
+    for (vertices, indices, flag) in [(2, 3, "--max-vertices"), (3, 2, "--max-indices")] {
+        let error = within(vertices, indices).unwrap_err();
+        assert_eq!(error.class, wirework_asset::ErrorClass::Limit);
+        assert!(error.to_string().contains(flag), "{error}");
+    }
+}

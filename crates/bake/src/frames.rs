@@ -47,7 +47,8 @@ pub enum BakeError {
     /// A mesh would need more targets than are allowed.
     #[error(
         "the mesh {mesh} needs more than {limit} morph targets ({own} are its own): {fit} of ours fit, which is \
-             until frame {frame} at {seconds} s; lower the frame rate, bake fewer frames or raise the limit"
+             until frame {frame} at {seconds} s; lower the frame rate, bake fewer frames or raise the limit \
+             (--max-targets)"
     )]
     TooManyTargets {
         /// The name of the mesh or its index, control characters escaped.

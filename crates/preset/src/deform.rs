@@ -87,13 +87,6 @@ impl KeyedWire {
         wire
     }
 
-    /// Whether anything of it moves in time.
-    pub fn is_animated(&self) -> bool {
-        let mut clock = Clock::default();
-        self.time(&mut clock);
-        clock.moves()
-    }
-
     /// Moves a wire that [`KeyedWire::at`] made to another time. Its reference curve stays untouched.
     pub fn at_into(&self, seconds: f64, wire: &mut Wire) {
         if self.pose.last_key().is_some() {

@@ -34,6 +34,6 @@ mod wrinkle;
 pub use deform::{Deform, KeyedWire};
 pub use error::{PresetError, PresetErrorKind, PresetErrors};
 pub use limits::Limits;
-pub use object::{Object, ObjectError, Shape};
+pub use object::{Object, ObjectError, ObjectSize, Shape};
 pub use preset::{Effect, FORMAT_VERSION, Parsed, Preset, parse};
 pub use template::{TEMPLATES, TemplateError, template};

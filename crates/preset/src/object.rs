@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
-use wirework_surface::{Mesh, Patch, PatchError, PrimitiveError, Transform, TransformError};
+use wirework_surface::{MAX_VERTICES, Mesh, Patch, PatchError, PrimitiveError, Transform, TransformError};
 
 use crate::error::PresetErrorKind;
 use crate::read::{Fields, Reader, Within};
@@ -90,6 +90,44 @@ pub enum ObjectError {
     /// Its placement.
     #[error(transparent)]
     Transform(#[from] TransformError),
+}
+
+/// How large an object is once it is built, known before anything of it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ObjectSize {
+    /// Vertices as a renderer counts them, those of seams and hard edges once for each side. At most so many.
+    pub vertices: u64,
+    /// Indices of its triangles. At most so many.
+    pub indices: u64,
+}
+
+impl Shape {
+    /// How large it will be. 0 for a file, which says so itself.
+    pub fn size(&self) -> ObjectSize {
+        let product = |a: u32, b: u32| u64::from(a).saturating_mul(u64::from(b));
+        // Vertices and quads of a sheet of cells.
+        let sheet = |a: u32, b: u32| [product(a.saturating_add(1), b.saturating_add(1)), product(a, b)];
+        let [vertices, quads] = match self {
+            Self::Grid { cells: [a, b], .. }
+            | Self::Sphere { segments: [a, b], .. }
+            | Self::Patch { tessellation: [a, b], .. } => sheet(*a, *b),
+            Self::Tube { sides, rings, caps, .. } => {
+                let [vertices, quads] = sheet(*sides, rings.saturating_sub(1));
+                // A cap is a fan: half a quad, a vertex of the rim and the centre.
+                let caps = if *caps { u64::from(*sides) } else { 0 };
+                [vertices.saturating_add(2 * (caps + 1)), quads.saturating_add(caps)]
+            }
+            Self::Box { cells: [l, m, n], .. } => {
+                let sides = [sheet(*l, *m), sheet(*m, *n), sheet(*n, *l)];
+                [0, 1]
+                    .map(|i| sides.iter().fold(0, |sum: u64, side| sum.saturating_add(side[i])))
+                    .map(|half| half.saturating_mul(2))
+            }
+            Self::Points(points) => [points.len() as u64, 0],
+            Self::File(_) => [0, 0],
+        };
+        ObjectSize { vertices, indices: quads.saturating_mul(6) }
+    }
 }
 
 const SHAPES: [&str; 7] = ["Grid", "Tube", "Sphere", "Box", "Points", "Patch", "File"];
@@ -180,26 +218,17 @@ fn transform(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Transform {
 
 /// Refuses an object that is too large before anything of it is allocated.
 fn vertices(reader: &mut Reader<'_>, node: &Node, shape: &Shape) -> Option<()> {
-    let product = |factors: &[u32]| factors.iter().fold(1_u64, |n, &f| n.saturating_mul(u64::from(f)));
-    let count = match shape {
-        Shape::Grid { cells, .. } => product(&cells.map(|n| n.saturating_add(1))),
-        Shape::Tube { sides, rings, .. } => product(&[*sides, *rings]).saturating_add(2),
-        Shape::Sphere { segments, .. } => product(&segments.map(|n| n.saturating_add(1))),
-        Shape::Box { cells: [l, m, n], .. } => {
-            let side =
-                |a: u32, b: u32| product(&[a.saturating_add(1), b.saturating_add(1)]).saturating_mul(2);
-            side(*l, *m).saturating_add(side(*m, *n)).saturating_add(side(*n, *l))
-        }
-        Shape::Points(points) => points.len() as u64,
-        Shape::Patch { tessellation, .. } => product(&tessellation.map(|n| n.saturating_add(1))),
-        Shape::File(_) => 0,
+    let count = shape.size().vertices;
+    let (limit, raise) = if reader.limits.vertices <= MAX_VERTICES {
+        (reader.limits.vertices, "--max-vertices raises it")
+    } else {
+        (MAX_VERTICES, "no flag raises it")
     };
-    let limit = reader.limits.vertices;
     if count <= limit {
         return Some(());
     }
     let span = node.name.as_ref().map_or(&node.span, |name| &name.span);
-    let message = format!("this object has {count} vertices, the limit is {limit}");
+    let message = format!("this object has {count} vertices, the limit is {limit} ({raise})");
     reader.error(PresetErrorKind::Limit, span, message, None);
     None
 }

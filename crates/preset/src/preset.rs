@@ -83,7 +83,11 @@ fn text<'b>(bytes: &'b [u8], limits: &Limits) -> Result<(usize, &'b str), Preset
         reader.into_errors()
     };
     if bytes.len() as u64 > limits.bytes {
-        let message = format!("a preset may have {} bytes, this one has {}", limits.bytes, bytes.len());
+        let message = format!(
+            "a preset may have {} bytes (--max-preset-bytes raises it), this one has {}",
+            limits.bytes,
+            bytes.len()
+        );
         return Err(refuse("", PresetErrorKind::Limit, message));
     }
     let content = bytes.get(offset..).unwrap_or_default();
@@ -229,11 +233,6 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    /// Whether a track changes after 0 seconds.
-    pub(crate) fn moves(&self) -> bool {
-        self.moves
-    }
-
     /// Notes a track.
     pub(crate) fn track<T: Interpolate + PartialEq>(&mut self, track: &Keyed<T>) {
         let Some(last) = track.last_key() else { return };

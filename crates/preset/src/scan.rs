@@ -121,7 +121,9 @@ impl<'s> Scan<'s> {
                     self.at += 1;
                     if open.len() > MAX_DEPTH {
                         return Err(Fault {
-                            message: format!("values are nested more than {MAX_DEPTH} deep"),
+                            message: format!(
+                                "values are nested more than {MAX_DEPTH} deep; no flag raises this"
+                            ),
                             span: self.at - 1..self.at,
                             kind: PresetErrorKind::Limit,
                             help: None,

@@ -52,7 +52,7 @@ fn presets_begin_at_rest_and_move_what_they_say() {
     for (name, time, least, most) in [
         ("deform/lift.ron", 1.0, 0.4, 0.9),
         ("deform/twist.ron", 1.5, 0.3, 0.9),
-        ("deform/cross.ron", 2.5, 0.35, 0.55),
+        ("deform/cross.ron", 2.5, 0.7, 0.8),
         ("deform/bulge.ron", 1.0, 0.1, 0.25),
         ("deform/arm.ron", 0.5, 0.3, 0.7),
         ("wrinkle/forehead.ron", 1.5, 0.02, 0.06),

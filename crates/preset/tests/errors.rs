@@ -65,6 +65,9 @@ fn values_out_of_range_are_refused_at_the_value() {
         ("amplitude: «NaN»", "finite"),
         ("exponent: «NaN»", "finite"),
         ("twist: Keys([(0, 1), (1, «inf»)])", "`twist` must be a finite number"),
+        ("twist: «1e12»", "`twist` must be within 1000000 degrees"),
+        ("twist: Ease([(0, 1), (1, «-1000001»)])", "`twist` must be within 1000000 degrees"),
+        ("locators: [Locator(u: 0, twist: «1e7»)]", "`twist` must be within 1000000 degrees"),
         ("radius: Keys([(0, 1), (1, «0»)])", "greater than 0"),
         ("radius: Keys([(0, 1), («0», 2)])", "must come after the one before, at 0 s; found 0 s"),
         ("radius: Ease([(2, 1), («1.5», 2)])", "must come after the one before, at 2 s; found 1.5 s"),
@@ -159,7 +162,14 @@ fn curves_and_objects_are_refused_at_the_value() {
         "«Grid»(size: (1, 1), cells: (4096, 4096))",
         "«Box»(min: (0, 0, 0), max: (1, 1, 1), cells: (4000, 4000, 1))",
     ] {
-        check(&with_object(object), PresetErrorKind::Limit, "the limit is 16777216", None);
+        check(&with_object(object), PresetErrorKind::Limit, "the limit is 16777216 (--max-vertices", None);
+        let wide = Limits { vertices: u64::MAX, ..Limits::default() };
+        let text = with_object(object).replace(['«', '»'], "");
+        // What no vertex numbering holds stays a limit; whatever else was asked for passes.
+        match parse(text.as_bytes(), &wide) {
+            Ok(_) => assert!(!object.contains("4294967295")),
+            Err(errors) => assert!(errors.is_limit() && errors.to_string().contains("no flag"), "{errors}"),
+        }
     }
     let text = with_object("Grid(size: (1, 1), cells: (4294967295, 4294967295))");
     assert!(parse(text.as_bytes(), &Limits::default()).unwrap_err().is_limit());
@@ -387,7 +397,7 @@ fn bytes_that_are_no_text_and_marks_before_it() {
 fn size_and_depth_are_limits() {
     let limits = Limits { bytes: 100, ..Limits::default() };
     let errors_found = parse(&[b' '; 101], &limits).unwrap_err();
-    assert!(errors_found.is_limit());
+    assert!(errors_found.is_limit() && errors_found.to_string().contains("--max-preset-bytes"));
     for (open, close) in [("[", "]"), ("(", ")"), ("Some(", ")"), ("{", "}")] {
         for depth in [129, 100_000] {
             let text = format!("Deform(wires: {}{})", open.repeat(depth), close.repeat(depth));

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use wirework_core::{Bend, Blend, Correspondence, Curve, CurveKind, Density, Interpolation, Wire};
 use wirework_preset::{Deform, Effect, Limits, Object, Parsed, Preset, Shape, parse};
+use wirework_surface::VertexMesh;
 
 fn parsed(text: &str) -> Parsed {
     parse(text.as_bytes(), &Limits::default()).unwrap_or_else(|errors| panic!("{text}\n{errors}"))
@@ -213,4 +214,25 @@ fn what_is_hardly_meant_is_a_warning() {
     }
     let anchor = format!("Deform(wires: [Wire({curve})], blend: Blend(localize: 1))");
     assert_eq!(warnings(&anchor), [], "a still wire anchors a local blend");
+}
+
+#[test]
+fn the_size_of_an_object_is_known_before_it_is_built() {
+    for (text, exact) in [
+        ("Grid(size: (1, 1), cells: (3, 5))", true),
+        ("Tube(from: (0, 0, 0), to: (0, 1, 0), radius: 1, sides: 5, rings: 4)", true),
+        ("Tube(from: (0, 0, 0), to: (0, 1, 0), radius: 1, sides: 3, rings: 2, caps: false)", false),
+        ("Sphere(radius: 1, segments: (7, 4))", false),
+        ("Box(min: (0, 0, 0), max: (1, 1, 1), cells: (1, 4, 2))", true),
+        ("Points([(0, 0, 0), (1, 0, 0)])", true),
+        ("Patch(points: [[(0, 0, 0), (1, 0, 0)], [(0, 1, 0), (1, 1, 0)]], tessellation: (3, 2))", true),
+    ] {
+        let object = object(text);
+        let mesh = VertexMesh::new(&object.build().unwrap().expect("a mesh")).unwrap();
+        let found = [mesh.positions.len() as u64, 3 * mesh.triangles.len() as u64];
+        let size = object.shape.size();
+        let bound = [size.vertices, size.indices];
+        assert!(found[0] <= bound[0] && found[1] <= bound[1], "{text}: {found:?} {bound:?}");
+        assert!(!exact || found == bound, "{text}: {found:?} {bound:?}");
+    }
 }

@@ -14,8 +14,9 @@
 //! `(r/3)⁴/(400 ρ³)`, and is refined where the surface (an edge, a facet) asks for more.
 
 use wirework_core::{Blend, Curve, CurveKind, Density, Keyed, Wire};
+use wirework_surface::smooth_normals;
 
-use crate::drawn::{Ground, Trace, wide};
+use crate::drawn::{Anchor, Footing, Ground, Trace, wide};
 use crate::fit::{interpolate, nodes};
 use crate::height::{MIN_SPANS_VARYING, height};
 use crate::random::{Jitter, unit};
@@ -35,6 +36,9 @@ const HALVINGS: usize = 3;
 /// Spans of a crease: enough to follow a bend, and not so many that a tiny thickness takes for ever.
 const SPANS: std::ops::RangeInclusive<usize> = 8..=1024;
 
+/// Spans of all creases together: seconds of work and some 30 MB of wires. More is a thickness by mistake.
+pub(crate) const MOST_SPANS: usize = 1 << 18;
+
 /// The creases of a wrinkle on a surface, ready for any moment.
 #[derive(Clone, Debug)]
 pub struct Creases {
@@ -52,6 +56,8 @@ struct Crease {
     reference: Curve,
     /// What a height of 1 adds to each control point.
     lift: Vec<[f32; 3]>,
+    /// Where on the surface each control point's node lies.
+    anchors: Vec<Anchor>,
     /// Distance of each control point's node from the origin, as a fraction of the crease.
     fractions: Vec<f64>,
     /// Its own part of the height.
@@ -68,10 +74,18 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
     // 1, 2, 4: half of the height lies at 0.29, 0.54 and 0.74 of the thickness.
     let q = 4.0_f32.powf(settings.stiffness);
     let reach = f64::from(thickness);
+    let least = if settings.varies() { MIN_SPANS_VARYING } else { *SPANS.start() };
+    let coarsest =
+        |length: f64| ((length * SPANS_A_THICKNESS / reach).ceil() as usize).clamp(least, *SPANS.end());
+    let needed: usize = curves.iter().map(|curve| coarsest(f64::from(curve.length()))).sum();
+    if needed > MOST_SPANS {
+        return Err(WrinkleError::TooFine { thickness, needed });
+    }
     let fineness = Fineness {
         span: reach / SPANS_A_THICKNESS,
         off: reach * (LOSS / 2.0).powf(1.0 / f64::from(q)).min(OFF_SURFACE),
-        least: if settings.varies() { MIN_SPANS_VARYING } else { *SPANS.start() },
+        least,
+        refined: (MOST_SPANS / curves.len().max(1)).min(*SPANS.end()),
     };
     let lay = |(index, curve)| {
         let trace = Trace::drop(&ground, curve, index, settings, thickness)?;
@@ -105,6 +119,23 @@ impl Creases {
     /// How the wires' displacements become one.
     pub fn blend(&self) -> Blend {
         self.blend
+    }
+
+    /// The same creases on the same material of a surface that has moved: each node stays at its place in its triangle,
+    /// so that a crease neither slides over the surface nor changes its number of control points.
+    ///
+    /// # Errors
+    ///
+    /// The surface has other triangles than the one they were laid on, is not finite, or has no normal at a crease.
+    pub fn moved(&self, surface: &SurfaceView<'_>) -> Result<Self, WrinkleError> {
+        for anchor in self.list.iter().flat_map(|crease| &crease.anchors) {
+            anchor.check(surface)?;
+        }
+        let normals = smooth_normals(surface.positions, surface.triangles);
+        let moved = |(curve, crease): (usize, &Crease)| {
+            crease.moved(surface, &normals).ok_or(WrinkleError::NoNormal { curve })
+        };
+        Ok(Self { list: self.list.iter().enumerate().map(moved).collect::<Result<_, _>>()?, ..self.clone() })
     }
 
     /// The wires at `seconds`, one a crease, in place of what `wires` held. Their references are the same at all times,
@@ -146,6 +177,8 @@ struct Fineness {
     off: f64,
     /// Spans at least.
     least: usize,
+    /// Spans up to which a crease may be refined: its part of [`MOST_SPANS`].
+    refined: usize,
 }
 
 impl Crease {
@@ -155,31 +188,31 @@ impl Crease {
         let mut spans = coarsest.clamp(fineness.least, *SPANS.end());
         for _ in 0..HALVINGS {
             let crease = Self::of_spans(ground, trace, closed, spans, strength)?;
-            if spans == *SPANS.end() || crease.follows(ground, fineness.off, spans) {
+            if spans >= fineness.refined || crease.follows(ground, fineness.off, spans) {
                 return Some(crease);
             }
-            spans = (spans * 2).min(*SPANS.end());
+            spans = (spans * 2).min(fineness.refined);
         }
         Self::of_spans(ground, trace, closed, spans, strength)
     }
 
     fn of_spans(ground: &Ground, trace: &Trace, closed: bool, spans: usize, strength: f64) -> Option<Self> {
         let nodes = nodes(spans, closed);
-        let mut positions = Vec::with_capacity(nodes.len());
-        let mut normals = Vec::with_capacity(nodes.len());
-        for &u in &nodes {
-            let footing = trace.footing(ground, u)?;
-            positions.push(footing.position);
-            normals.push(footing.normal);
-        }
-        let points = |values: &[glam::DVec3]| -> Vec<[f32; 3]> {
-            interpolate(values, closed).iter().map(|p| p.as_vec3().to_array()).collect()
-        };
-        let reference = Curve::new(CurveKind::BSpline { degree: 2 }, closed, points(&positions)).ok()?;
+        let footings: Option<Vec<Footing>> = nodes.iter().map(|&u| trace.footing(ground, u)).collect();
+        let footings = footings?;
+        let (reference, lift) = through(&footings, closed)?;
+        let anchors = footings.iter().map(|footing| footing.anchor).collect();
         // A closed crease grows both ways from its first end.
         let fraction = |u: f64| if closed { 2.0 * u.min(1.0 - u) } else { u };
         let fractions = nodes.into_iter().map(fraction).collect();
-        Some(Self { reference, lift: points(&normals), fractions, strength })
+        Some(Self { reference, lift, anchors, fractions, strength })
+    }
+
+    fn moved(&self, surface: &SurfaceView<'_>, normals: &[[f32; 3]]) -> Option<Self> {
+        let footings: Option<Vec<Footing>> =
+            self.anchors.iter().map(|anchor| anchor.footing(surface, normals)).collect();
+        let (reference, lift) = through(&footings?, self.reference.closed())?;
+        Some(Self { reference, lift, ..self.clone() })
     }
 
     /// Whether it keeps to the surface and to its height between the nodes: where spans meet.
@@ -191,6 +224,16 @@ impl Crease {
             off <= allowed && (wide(lift.point(u)).length() - 1.0).abs() <= OFF_UNIT
         })
     }
+}
+
+/// The reference curve through points of the surface, and what a height of 1 adds to each of its control points.
+fn through(footings: &[Footing], closed: bool) -> Option<(Curve, Vec<[f32; 3]>)> {
+    let points = |value: fn(&Footing) -> glam::DVec3| -> Vec<[f32; 3]> {
+        let values: Vec<glam::DVec3> = footings.iter().map(value).collect();
+        interpolate(&values, closed).iter().map(|p| p.as_vec3().to_array()).collect()
+    };
+    let reference = Curve::new(CurveKind::BSpline { degree: 2 }, closed, points(|f| f.position)).ok()?;
+    Some((reference, points(|f| f.normal)))
 }
 
 #[cfg(test)]

@@ -212,6 +212,22 @@ fn what_makes_no_crease_is_refused() {
 }
 
 #[test]
+fn creases_beyond_all_measure_are_refused_at_once() {
+    let mesh = grid([2.0, 2.0], [4, 4], [0.0, 1.0, 0.0]).unwrap();
+    let settings = |count, thickness| Wrinkle {
+        thickness: Keyed::Constant(thickness),
+        ..Wrinkle::drawn(vec![wave(); count])
+    };
+    let start = std::time::Instant::now();
+    let error = lay(&mesh, &settings(2000, 1e-30)).unwrap_err();
+    assert_eq!(error, WrinkleError::TooFine { thickness: 1e-30, needed: 2000 * 1024 });
+    assert!(error.to_string().contains("262144"));
+    assert!(start.elapsed().as_secs() < 2);
+    assert_eq!(lay(&mesh, &settings(2, 1e-30)).unwrap().len(), 2);
+    assert_eq!(lay(&mesh, &settings(300, 0.1)).unwrap().len(), 300);
+}
+
+#[test]
 fn settings_out_of_range_are_named() {
     let mesh = grid([2.0; 2], [2, 2], [0.0, 1.0, 0.0]).unwrap();
     let base = || Wrinkle::drawn(vec![wave()]);
@@ -314,4 +330,34 @@ fn a_crease_holds_its_height_on_a_scanned_body() {
             }
         }
     }
+}
+
+#[test]
+fn moved_creases_are_those_of_the_rest_moved() {
+    let mesh = tube([0.0; 3], [0.0, 2.0, 0.0], 0.4, 24, 16, true).unwrap();
+    let triangles = mesh.triangles().unwrap();
+    let ring = circle(0.4, 1.0);
+    let line = Curve::bspline(3, vec![[0.4, 0.3, 0.0], [0.4, 0.8, 0.1], [0.4, 1.2, -0.1], [0.4, 1.7, 0.0]]);
+    let laid = lay(&mesh, &Wrinkle::drawn(vec![ring, line.unwrap()])).unwrap();
+    // A quarter turn about y, and a step that is large against the tube.
+    let turn = |p: DVec3| DVec3::new(p.z, p.y, -p.x);
+    let step = DVec3::new(30.0, -20.0, 5.0);
+    let positions: Vec<[f32; 3]> =
+        mesh.positions.iter().map(|&p| (turn(wide(p)) + step).as_vec3().to_array()).collect();
+    let moved = laid.moved(&SurfaceView { positions: &positions, triangles: &triangles }).unwrap();
+    for (before, after) in wires(&laid, 0.0).iter().zip(&wires(&moved, 0.0)) {
+        assert_eq!(before.reference.points().len(), after.reference.points().len());
+        for ((r, rise), (moved_r, moved_rise)) in along(before).into_iter().zip(along(after)) {
+            assert!(moved_r.distance(turn(r) + step) < 1e-5, "{moved_r} for {r}");
+            assert!(moved_rise.distance(turn(rise)) < 1e-5, "{moved_rise} for {rise}");
+        }
+    }
+    let mut broken = positions.clone();
+    broken.fill([f32::NAN; 3]);
+    let broken = laid.moved(&SurfaceView { positions: &broken, triangles: &triangles });
+    assert!(matches!(broken, Err(WrinkleError::Surface(NearestError::Vertex { .. }))));
+    let flat =
+        laid.moved(&SurfaceView { positions: &vec![[0.0; 3]; positions.len()], triangles: &triangles });
+    assert!(matches!(flat, Err(WrinkleError::NoNormal { curve: 0 })));
+    assert!(laid.moved(&SurfaceView { positions: &positions, triangles: &[] }).is_err());
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use wirework_core::Curve;
-use wirework_surface::{Nearest, smooth_normals};
+use wirework_surface::{Nearest, NearestError, smooth_normals};
 
 use crate::random::{Jitter, unit};
 use crate::{SurfaceView, Wrinkle, WrinkleError};
@@ -30,6 +30,55 @@ pub(crate) struct Footing {
     pub(crate) position: DVec3,
     /// Of length 1.
     pub(crate) normal: DVec3,
+    /// Where that is on the surface, however it moves.
+    pub(crate) anchor: Anchor,
+}
+
+/// A point of a surface by its material: a triangle, and the weights of its corners.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Anchor {
+    triangle: u32,
+    weights: [f32; 3],
+}
+
+/// Interpolated normals shorter than this have cancelled, and the face's own stands in for them.
+const CANCELLED: f64 = 1e-3;
+
+impl Anchor {
+    /// The corner that is not there or not finite, if there is one.
+    pub(crate) fn check(&self, surface: &SurfaceView<'_>) -> Result<(), NearestError> {
+        let triangle = self.triangle as usize;
+        let corners = surface.triangles.get(triangle).ok_or(NearestError::NoFaces)?;
+        let good =
+            |v: &&u32| surface.positions.get(**v as usize).is_some_and(|p| p.iter().all(|c| c.is_finite()));
+        match corners.iter().find(|v| !good(v)) {
+            Some(&vertex) => Err(NearestError::Vertex { triangle, vertex }),
+            None => Ok(()),
+        }
+    }
+
+    /// Where it is on a surface of the same triangles; `normals` are those of its vertices. `None` where the surface
+    /// has no normal.
+    pub(crate) fn footing(&self, surface: &SurfaceView<'_>, normals: &[[f32; 3]]) -> Option<Footing> {
+        let corners = *surface.triangles.get(self.triangle as usize)?;
+        // Rounded to f32 the weights add up to 1 only nearly, which far from the origin would be seen.
+        let weights = self.weights.map(f64::from);
+        let sum: f64 = weights.iter().sum();
+        let blend = |values: &[[f32; 3]]| {
+            let mut blended = DVec3::ZERO;
+            for (&v, weight) in corners.iter().zip(weights) {
+                blended += wide(*values.get(v as usize)?) * (weight / sum);
+            }
+            Some(blended)
+        };
+        let (position, mut normal) = (blend(surface.positions)?, blend(normals)?);
+        if normal.length() <= CANCELLED {
+            let corner = |i: usize| surface.positions.get(corners[i] as usize).copied().map(wide);
+            let (a, b, c) = (corner(0)?, corner(1)?, corner(2)?);
+            normal = (b - a).cross(c - a);
+        }
+        Some(Footing { position, normal: normal.try_normalize()?, anchor: *self })
+    }
 }
 
 impl Ground {
@@ -42,7 +91,8 @@ impl Ground {
     pub(crate) fn footing(&self, p: DVec3) -> Option<Footing> {
         let hit = self.nearest.nearest(p.as_vec3().to_array())?;
         let normal = self.nearest.interpolated_normal(&hit, &self.normals)?;
-        Some(Footing { position: wide(hit.position), normal: wide(normal) })
+        let anchor = Anchor { triangle: hit.triangle, weights: hit.barycentric };
+        Some(Footing { position: wide(hit.position), normal: wide(normal), anchor })
     }
 
     /// How far a point is from the surface.

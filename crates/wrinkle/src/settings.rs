@@ -108,6 +108,18 @@ pub enum WrinkleError {
     /// There is nothing to wrinkle, or the surface refers to vertices that are not there.
     #[error(transparent)]
     Surface(#[from] NearestError),
+    /// The creases are so many and so thin that following them all would take for ever.
+    #[error(
+        "creases of thickness {thickness} need {needed} spans in all, the most are {}: use a larger `thickness` or \
+         fewer curves",
+        crate::crease::MOST_SPANS
+    )]
+    TooFine {
+        /// The least thickness.
+        thickness: f32,
+        /// Spans they would have.
+        needed: usize,
+    },
     /// The pattern has no curves.
     #[error("a drawn pattern needs at least one curve")]
     NoCurves,

@@ -6,6 +6,9 @@ use super::{Reader, found};
 use crate::error::{PresetErrorKind, escape, nearest, one_of};
 use crate::tree::{Body, Node};
 
+/// The most degrees of an angle, some 2800 turns: there f32 still tells angles 0.06 degrees apart.
+const MOST_DEGREES: f32 = 1e6;
+
 /// The range a number must lie in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Within {
@@ -245,8 +248,15 @@ impl Reader<'_> {
     /// A † angle, degrees as typed, radians as read.
     pub(crate) fn keyed_degrees(&mut self, node: &Node) -> Option<Keyed<f32>> {
         self.keyed(node, "a number of degrees", |reader, value| {
+            let degrees = reader.number(value, Within::Finite)?;
+            if degrees.abs() > MOST_DEGREES {
+                let field = reader.field_name();
+                let message =
+                    format!("{field} must be within {MOST_DEGREES} degrees either way, found {degrees}");
+                return reader.bad(value, message);
+            }
             // In f64: 180 degrees are to be f32's π.
-            reader.number(value, Within::Finite).map(|degrees| f64::from(degrees).to_radians() as f32)
+            Some(f64::from(degrees).to_radians() as f32)
         })
     }
 }

@@ -19,9 +19,7 @@ pub fn cuboid(min: [f32; 3], max: [f32; 3], cells: [u32; 3]) -> Result<Mesh, Pri
     }
     check_count("cells", 1, &cells)?;
     let [l, m, n] = cells.map(|c| c.saturating_add(1));
-    for side in [[l, m], [m, n], [n, l]] {
-        check_size(&side)?;
-    }
+    check_size(&[[l, m], [l, m], [m, n], [m, n], [n, l], [n, l]])?;
     let cells = UVec3::from(cells);
     let lattice = Lattice { cells };
     let mut builder = Builder::default();

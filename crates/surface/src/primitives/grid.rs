@@ -13,7 +13,7 @@ use crate::vector::{frame, wide};
 pub fn grid(size: [f32; 2], cells: [u32; 2], normal: [f32; 3]) -> Result<Mesh, PrimitiveError> {
     check_positive("size", &size)?;
     check_count("cells", 1, &cells)?;
-    check_size(&cells.map(|c| c.saturating_add(1)))?;
+    check_size(&[cells.map(|c| c.saturating_add(1))])?;
     check_finite("normal", &normal)?;
     let axis = wide(normal).try_normalize().ok_or(PrimitiveError::ZeroVector { argument: "normal" })?;
     let [e1, _, e2] = frame(axis);

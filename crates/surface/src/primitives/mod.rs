@@ -20,8 +20,9 @@ pub use tube::tube;
 use crate::vector::narrow;
 use crate::{Corner, Mesh};
 
-/// The most vertices a primitive may have: about 2 GB of mesh. More is a slip of the finger in a preset.
-pub const MAX_VERTICES: u64 = 1 << 24;
+/// The most vertices a primitive may have: then the numbers of its corners, some four a vertex, fit into 32 bits. What
+/// memory there is for is the caller's to judge.
+pub const MAX_VERTICES: u64 = 1 << 28;
 
 /// Why arguments do not make a primitive. `argument` is the name of the function's argument.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -88,9 +89,10 @@ fn check_count(argument: &'static str, least: u32, values: &[u32]) -> Result<(),
     }
 }
 
-/// Refuses more than [`MAX_VERTICES`]; `factors` are multiplied without overflow.
-fn check_size(factors: &[u32]) -> Result<(), PrimitiveError> {
-    let vertices = factors.iter().fold(1_u64, |n, &f| n.saturating_mul(u64::from(f).max(1)));
+/// Refuses more than [`MAX_VERTICES`] in all of `sheets`, each of two counts of vertices.
+fn check_size(sheets: &[[u32; 2]]) -> Result<(), PrimitiveError> {
+    let vertices =
+        sheets.iter().map(|[a, b]| u64::from(*a).saturating_mul(u64::from(*b))).fold(0, u64::saturating_add);
     if vertices > MAX_VERTICES { Err(PrimitiveError::TooLarge { vertices }) } else { Ok(()) }
 }
 

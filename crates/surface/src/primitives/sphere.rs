@@ -20,7 +20,7 @@ pub fn sphere(center: [f32; 3], radius: f32, segments: [u32; 2]) -> Result<Mesh,
     let [around, down] = segments;
     check_count("segments", 3, &[around])?;
     check_count("segments", 2, &[down])?;
-    check_size(&[around.saturating_add(1), down.saturating_add(1)])?;
+    check_size(&[[around.saturating_add(1), down.saturating_add(1)]])?;
     let mut builder = Builder::default();
     let add = |builder: &mut Builder, n: DVec3| {
         builder.position(wide(center) + n * f64::from(radius));

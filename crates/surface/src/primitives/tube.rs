@@ -25,7 +25,7 @@ pub fn tube(
     check_positive("radius", &[radius])?;
     check_count("sides", 3, &[sides])?;
     check_count("rings", 2, &[rings])?;
-    check_size(&[sides.saturating_add(1), rings])?;
+    check_size(&[[sides.saturating_add(1), rings]])?;
     let (start, way) = (wide(from), wide(to) - wide(from));
     let axis = way.try_normalize().ok_or(PrimitiveError::SameEnds)?;
     let [e1, _, e2] = frame(axis);
