@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use wirework_asset::{Limits, same_file, write_files};
 use wirework_bake::{Bake, Settings};
 use wirework_preset::Preset;
+use wirework_surface::Bounds;
 
 use crate::film::{Film, check_clip};
 use crate::output::{Scene, Target};
@@ -118,6 +119,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         ..Report::default()
     };
     let Subject { points, triangles, model, point_of, own } = subject;
+    let extent = Bounds::of(&points);
     if let Some(clip) = job.clip {
         check_clip(&model, clip)?;
     }
@@ -136,12 +138,12 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         progress,
     };
     let product = match (target, model) {
-        (Target::Gltf(format), model) => film.gltf(job, format, Scene::new(model, point_of)?)?,
+        (Target::Gltf(format), model) => film.gltf(job, format, Scene::new(model, point_of, &job.limits)?)?,
         (Target::Obj, model) => film.obj(None, model, point_of, job.output)?,
         (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, None)?,
     };
     report.warnings.extend(product.warnings);
-    report.warnings.extend(film.idle());
+    report.warnings.extend(film.idle(extent));
     if job.strict && !report.warnings.is_empty() {
         return Err(ApplyError::Strict(report.warnings));
     }
@@ -188,6 +190,9 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, ApplyError> {
         return request(&format!("{name}: found another extension, expected .glb, .gltf or .obj"));
     };
     match (&target, schedule) {
+        (Target::Gltf(_), _) if name.contains("####") => request(&format!(
+            "{name}: `####` stands for a file a frame, and only OBJ is written so; leave it out"
+        )),
         (Target::Obj, Schedule::Frames { .. }) => request(&format!(
             "{name}: one OBJ file holds no animation; write `####` in its name for a file a frame, or ask for one \
              moment with `--at SECONDS`"

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use wirework_asset::{Clip, Format, Gltf, Obj, OutputFile, write_obj};
 use wirework_bake::{Baker, Settings};
-use wirework_surface::Mesh;
+use wirework_surface::{Bounds, Mesh};
 
 use crate::error::count;
 use crate::output::{Pattern, Scene, scene_mesh};
@@ -142,12 +142,15 @@ impl Film<'_> {
         Ok(Product { files, ..Product::default() })
     }
 
-    /// A warning for each effect that reaches nothing.
-    pub(crate) fn idle(&self) -> Vec<String> {
+    /// A warning for each effect that reaches nothing; `extent` is where the points lie.
+    pub(crate) fn idle(&self, extent: Option<Bounds>) -> Vec<String> {
+        let span = extent.map_or_else(String::new, |Bounds { min, max }| {
+            format!("; the points lie between {min:?} and {max:?}")
+        });
         let line = |effect| {
             let which =
                 if effect == 0 { String::new() } else { format!(" (number {effect} of the stack, from 0)") };
-            format!("the effect{which} reaches no vertex: nothing moves [no-reach]")
+            format!("the effect{which} reaches no vertex: nothing moves{span} [no-reach]")
         };
         self.evaluation.idle().map(line).collect()
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use wirework_asset::{Format, Gltf, NewMesh, Rest};
+use wirework_asset::{Format, Gltf, Limits, NewMesh, Rest};
 use wirework_surface::{Mesh, VertexMesh};
 
 use crate::ApplyError;
@@ -75,7 +75,7 @@ pub(crate) struct Scene {
 
 impl Scene {
     /// The scene of a model; a mesh gets a document of its own.
-    pub(crate) fn new(model: Model, point_of: Vec<u32>) -> Result<Self, ApplyError> {
+    pub(crate) fn new(model: Model, point_of: Vec<u32>, limits: &Limits) -> Result<Self, ApplyError> {
         let (name, mesh) = match model {
             Model::Gltf { gltf, rest } => return Ok(Self { gltf: *gltf, rest: *rest, point_of }),
             Model::Mesh { name, mesh, .. } => (name, mesh),
@@ -83,7 +83,7 @@ impl Scene {
         let VertexMesh { positions, normals, uvs, triangles, source } = VertexMesh::new(&mesh)?;
         // glTF counts v downwards.
         let uvs: Option<Vec<[f32; 2]>> = uvs.map(|uvs| uvs.iter().map(|uv| [uv[0], 1.0 - uv[1]]).collect());
-        let gltf = Gltf::from_meshes(
+        let gltf = Gltf::from_meshes_within(
             &name,
             &[NewMesh {
                 name: &name,
@@ -92,6 +92,7 @@ impl Scene {
                 uvs: uvs.as_deref(),
                 triangles: &triangles,
             }],
+            limits,
         )?;
         let rest = gltf.rest()?;
         let point_of =

@@ -104,6 +104,8 @@ impl Subject {
         limits: &Limits,
     ) -> Result<Self, ApplyError> {
         let Some(path) = object.file(preset_dir) else {
+            let size = object.shape.size();
+            limits.check_mesh(size.vertices, size.indices)?;
             let subject = Self::from_mesh(name, object.build()?.unwrap_or_default())?;
             return Ok(Self { own: true, ..subject });
         };
