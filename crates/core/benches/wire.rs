@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use wirework_core::{Binding, Blend, Curve, Wire};
-use wirework_reference::{closest, deform};
+use wirework_reference::Scene;
 
 /// Points along a side of the grid.
 const SIDE: usize = 1000;
@@ -78,19 +78,22 @@ fn moved(mut wire: Wire) -> Wire {
     Wire { scale: 1.2, ..wire }
 }
 
-/// Seconds a point of the float64 reference, for binding and for the whole deformation.
+/// Seconds a point of the float64 reference, its curves prepared beforehand: for the feet alone, and for the whole.
 fn reference(wires: &[Wire], points: &[[f32; 3]]) -> (f64, f64) {
     let sample: Vec<[f32; 3]> = points.iter().step_by(points.len() / SAMPLE).copied().collect();
-    let start = Instant::now();
-    for wire in wires {
-        for p in sample.iter().take(SAMPLE / 20) {
-            black_box(closest(&wire.reference, p.map(f64::from)));
-        }
-    }
-    let bind = start.elapsed().as_secs_f64() / (SAMPLE / 20) as f64;
-    let start = Instant::now();
-    black_box(deform(wires, &Blend::default(), &sample));
-    (bind, start.elapsed().as_secs_f64() / sample.len() as f64)
+    let scene = Scene::new(wires, &Blend::default());
+    let seconds = |work: &dyn Fn([f32; 3])| {
+        let start = Instant::now();
+        sample.iter().for_each(|p| work(*p));
+        start.elapsed().as_secs_f64() / sample.len() as f64
+    };
+    let feet = seconds(&|p| {
+        black_box(scene.feet(p));
+    });
+    let whole = seconds(&|p| {
+        black_box(scene.deform(p));
+    });
+    (feet, whole)
 }
 
 fn measure(name: &str, wires: &[Wire], points: &[[f32; 3]], copy: f64, (brute_bind, brute): (f64, f64)) {
