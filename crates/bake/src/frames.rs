@@ -21,7 +21,7 @@ pub enum Bake {
 pub struct Settings {
     /// Default [`Bake::Auto`].
     pub bake: Bake,
-    /// The most targets that a mesh may have, its own and ours. Default 240: with 256 or more a mesh is not drawn on
+    /// The most targets that a mesh may have, its own and ours; where its own are as many already, the most of ours. Default 240: with 256 or more a mesh is not drawn on
     /// part of the phones, or refused.
     pub max_targets: usize,
     /// Where the clip goes. Default a new one of the name `wirework`, or of the first free one of `wirework_2`, …
@@ -125,15 +125,24 @@ struct NodeTrack {
 }
 
 impl<'a> Baker<'a> {
-    /// A baker for the geometry `rest` of `gltf`.
-    pub fn new(gltf: Gltf, rest: &'a Rest, settings: Settings) -> Self {
+    /// A baker for the geometry `rest` of `gltf`. A mesh that has as many targets of its own as are allowed gets a
+    /// warning, and its own are not counted: nothing the baker does could keep the limit.
+    pub fn new(mut gltf: Gltf, rest: &'a Rest, settings: Settings) -> Self {
         let mut nodes: Vec<NodeTrack> = Vec::new();
         for part in &rest.parts {
             if nodes.last().is_none_or(|track| track.node != part.node) {
+                let own = gltf.target_count(part.mesh);
+                if own > 0 && own >= settings.max_targets {
+                    let warning = format!(
+                        "mesh {} has {own} morph targets of its own, {} are allowed: only new ones are counted",
+                        part.mesh, settings.max_targets
+                    );
+                    gltf.warn("own-targets", warning);
+                }
                 nodes.push(NodeTrack {
                     node: part.node,
                     mesh: part.mesh,
-                    own: gltf.target_count(part.mesh),
+                    own,
                     blocks: Vec::new(),
                     targets: Vec::new(),
                     known: BTreeMap::new(),
@@ -249,7 +258,8 @@ impl<'a> Baker<'a> {
             return Ok(known);
         }
         let count = track.targets.len();
-        if track.own + count >= self.settings.max_targets {
+        let counted = if track.own >= self.settings.max_targets { 0 } else { track.own };
+        if counted + count >= self.settings.max_targets {
             let name = self.gltf.mesh_name(track.mesh);
             return Err(BakeError::TooManyTargets {
                 mesh: name.map_or_else(|| track.mesh.to_string(), |name| format!("\"{}\"", printable(name))),

@@ -122,6 +122,25 @@ fn a_budget_of_targets_says_what_fits() {
 }
 
 #[test]
+fn a_mesh_with_too_many_targets_of_its_own_is_baked_all_the_same() {
+    let baked = |gltf: Gltf, max_targets| {
+        let rest = gltf.rest().unwrap();
+        let mut baker = Baker::new(gltf, &rest, Settings { max_targets, ..Settings::default() });
+        for k in 0..3 {
+            let (positions, _) = bump(&rest, 1.0 + f64::from(k));
+            baker.push(f64::from(k), &positions, None)?;
+        }
+        baker.finish()
+    };
+    let first = baked(instances(), 240).unwrap().gltf;
+    let known = first.warnings().len();
+    assert!(baked(first.clone(), 4).is_err(), "with one place left its own are counted");
+    let second = baked(first, 3).unwrap();
+    let warned = second.gltf.warnings().iter().skip(known).filter(|w| w.code == "own-targets").count();
+    assert!(second.targets > 0 && warned > 0, "{:?}", second.gltf.warnings());
+}
+
+#[test]
 fn bad_frames_are_refused() {
     let gltf = instances();
     let rest = gltf.rest().unwrap();
