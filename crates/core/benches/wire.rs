@@ -84,7 +84,9 @@ fn reference(wires: &[Wire], points: &[[f32; 3]]) -> (f64, f64) {
     let scene = Scene::new(wires, &Blend::default());
     let seconds = |work: &dyn Fn([f32; 3])| {
         let start = Instant::now();
-        sample.iter().for_each(|p| work(*p));
+        for p in &sample {
+            work(*p);
+        }
         start.elapsed().as_secs_f64() / sample.len() as f64
     };
     let feet = seconds(&|p| {
