@@ -1,4 +1,4 @@
-//! [SF98] §3.1, locators: attributes as functions of the parameter along a wire.
+//! \[SF98\] §3.1, locators: attributes as functions of the parameter along a wire.
 //!
 //! Between two neighbouring locators (of any attributes) an attribute is one polynomial of the parameter: constant,
 //! linear, or cubic with [`Interpolation::Smooth`]. Points are bound to *cells*, segments cut at the locators, so

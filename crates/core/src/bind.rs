@@ -1,4 +1,4 @@
-//! Binding and deforming: [SF98] §2, "computed once", and §6, "must be recalculated only if the reference curve is changed".
+//! Binding and deforming: \[SF98\] §2, "computed once", and §6, "must be recalculated only if the reference curve is changed".
 
 use std::cell::RefCell;
 
@@ -137,7 +137,7 @@ impl Binding {
         self.wires.iter().map(|w| w.runs.index.len()).sum()
     }
 
-    /// Deforms the bound points by the present state of `wires` into `out`: [SF98] §2 for each wire, §4 for all.
+    /// Deforms the bound points by the present state of `wires` into `out`: \[SF98\] §2 for each wire, §4 for all.
     ///
     /// `wires` are those that were bound, with whatever pose and attributes they have now. A wire whose reference moved,
     /// whose locators changed place or whose radius grew beyond its bound reach is bound anew, the others are not.

@@ -1,4 +1,4 @@
-//! [SF98] §4: the displacements of many wires become one.
+//! \[SF98\] §4: the displacements of many wires become one.
 //!
 //! `lerp( lerp(Σ ΔPᵢ wᵢ^mᵢ / Σ wᵢ^mᵢ, Σ ΔPᵢ, crossing), Σ ΔPᵢ Fᵢ^k / Σ Fᵢ^k, localize )`, `wᵢ = ‖ΔPᵢ‖ / max ‖ΔPⱼ‖`, over the wires that
 //! move the point; in the local part over all that reach it.

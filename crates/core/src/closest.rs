@@ -1,4 +1,4 @@
-//! The exact closest point of a curve, [SF98] §2: `p_R` minimises `‖P − R(u)‖` over the whole curve; of equally near
+//! The exact closest point of a curve, \[SF98\] §2: `p_R` minimises `‖P − R(u)‖` over the whole curve; of equally near
 //! feet the smallest `u`.
 //!
 //! Each segment is cut into pieces of little turning. The feet on a piece are rising roots of

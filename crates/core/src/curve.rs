@@ -29,7 +29,7 @@ pub enum CurveKind {
     Bezier,
 }
 
-/// A parametric curve in space, `u ∈ [0, 1]`. [SF98] §2: the free-form curves `R`, `W`; §3.2: `D`.
+/// A parametric curve in space, `u ∈ [0, 1]`. \[SF98\] §2: the free-form curves `R`, `W`; §3.2: `D`.
 ///
 /// The fields are private: a `Curve` that exists has at least one finite control point, and as many as its kind needs.
 #[derive(Clone, Debug, PartialEq)]

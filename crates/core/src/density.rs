@@ -1,4 +1,4 @@
-//! [SF98] §2, the density `f`: how influence falls with the distance from the wire, as a fraction of the radius.
+//! \[SF98\] §2, the density `f`: how influence falls with the distance from the wire, as a fraction of the radius.
 //!
 //! `f(0) = 1`, `f(x ≥ 1) = 0`, falling. A deformed surface is as smooth as `f`, so all but
 //! [`Density::Linear`] have a continuous first derivative, across the wire as well: `f′(0) = f′(1) = 0`

@@ -1,4 +1,4 @@
-//! [SF98] §2: the displacement `ΔP` that one wire gives the points of one run.
+//! \[SF98\] §2: the displacement `ΔP` that one wire gives the points of one run.
 //!
 //! With `v = P − R(p)` and `F` known since binding: scale `v`, twist it about `R′`, turn it with the bend from `R′` to
 //! `W′`, translate by `(W − R)·F`, and take the difference to where it was. Every step is exact where it does nothing, so

@@ -1,4 +1,4 @@
-//! [SF98] §2: the wire ⟨W, R, s, r, f⟩ as data, §3.1: its locators, §4: how several are blended.
+//! \[SF98\] §2: the wire ⟨W, R, s, r, f⟩ as data, §3.1: its locators, §4: how several are blended.
 //!
 //! Everything here is the state at one moment; what moves in time is kept as [`Keyed`](crate::Keyed) values by
 //! whoever animates it.
@@ -134,7 +134,7 @@ impl Wire {
     }
 }
 
-/// [SF98] §3.1: values of a wire's attributes at one place along it, any subset of them.
+/// \[SF98\] §3.1: values of a wire's attributes at one place along it, any subset of them.
 ///
 /// At a parameter `p` an attribute is interpolated between the two bracketing locators that carry it, is
 /// constant beyond the first and the last, and overrides the wire's own value. On a closed curve locators wrap.
@@ -185,7 +185,7 @@ pub enum Bend {
     Transport,
 }
 
-/// [SF98] §4: how the displacements `ΔPᵢ` of several wires become one.
+/// \[SF98\] §4: how the displacements `ΔPᵢ` of several wires become one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
     /// `m`: 0 the mean, large the largest, negative towards the smallest. Default 1.

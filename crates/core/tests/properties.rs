@@ -1,4 +1,4 @@
-//! What every rig obeys, whatever its numbers: [SF98] §2's list of properties, §4's requirements, symmetry.
+//! What every rig obeys, whatever its numbers: \[SF98\] §2's list of properties, §4's requirements, symmetry.
 
 use glam::{DQuat, DVec3};
 use std::cell::OnceCell;

@@ -1,4 +1,4 @@
-//! [SF98] §2 to §4 as a preset: `Deform(wires: [Wire(..), ..], blend: Blend(..))`.
+//! \[SF98\] §2 to §4 as a preset: `Deform(wires: [Wire(..), ..], blend: Blend(..))`.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! [SF98] §5.1 as a preset: `Wrinkle(pattern: Drawn([..]), thickness: .., ..)`.
+//! \[SF98\] §5.1 as a preset: `Wrinkle(pattern: Drawn([..]), thickness: .., ..)`.
 
 use wirework_core::Curve;
 use wirework_wrinkle::Wrinkle;

@@ -1,4 +1,4 @@
-//! [SF98] §4: many wires on one point.
+//! \[SF98\] §4: many wires on one point.
 //!
 //! `P_def = P + lerp(lerp(blend, Σ ΔPᵢ, crossing), local, localize)`, where over the wires with `ΔPᵢ ≠ 0`
 //! `blend = Σ ΔPᵢ·wᵢ^mᵢ / Σ wᵢ^mᵢ`, `wᵢ = ‖ΔPᵢ‖ / maxⱼ ‖ΔPⱼ‖`, and over the wires with `Fᵢ > 0`

@@ -1,4 +1,4 @@
-//! [SF98] §2, `p_R`: the parameter of the point of a curve closest to a point, the smallest on a tie.
+//! \[SF98\] §2, `p_R`: the parameter of the point of a curve closest to a point, the smallest on a tie.
 //!
 //! `(C − P)·C′` is sampled densely in each segment; wherever it turns from falling to rising a local minimum is
 //! bisected; a joint is one too where the distance falls towards it from both sides. The least of all is the foot.

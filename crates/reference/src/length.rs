@@ -1,4 +1,4 @@
-//! Arc length, by quadrature, and the place at a fraction of it: `correspondence: ArcLength`, [SF98] §2.
+//! Arc length, by quadrature, and the place at a fraction of it: `correspondence: ArcLength`, \[SF98\] §2.
 
 use crate::curve::{Place, segment_count, slope};
 use wirework_core::Curve;

@@ -4,7 +4,7 @@
 //! the most direct road there is: de Boor's recursion, dense sampling and bisection, numerical quadrature. It
 //! shares no algorithm with the engine, is slow, and may be read as the specification.
 //!
-//! | file | [SF98] | is |
+//! | file | \[SF98\] | is |
 //! |---|---|---|
 //! | `curve.rs` | §2 | `C(u)`, `C′(u)`, corners |
 //! | `length.rs` | §2 | arc length and the correspondence by arc length |
@@ -17,7 +17,7 @@
 //! | `doubt.rs` | – | how well the answer is defined at a point |
 //! | `rigs.rs`, `random.rs` | – | random rigs to compare on |
 //!
-//! [SF98] is K. Singh, E. Fiume, "Wires: A Geometric Deformation Technique", SIGGRAPH 1998.
+//! \[SF98\] is K. Singh, E. Fiume, "Wires: A Geometric Deformation Technique", SIGGRAPH 1998.
 //!
 //! # Corner cases
 //!

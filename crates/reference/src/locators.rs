@@ -1,4 +1,4 @@
-//! [SF98] §3.1: attributes of a wire where its locators put them.
+//! \[SF98\] §3.1: attributes of a wire where its locators put them.
 
 use wirework_core::{Interpolation, Locator, Wire};
 

@@ -1,4 +1,4 @@
-//! [SF98] §2: what one wire does to one point.
+//! \[SF98\] §2: what one wire does to one point.
 //!
 //! With `v = P − R(p)`, `F = f(‖v‖ / r)` and every attribute taken at `p = p_R`:
 //! 1. scale: `v ← v·(1 + (s − 1)·F)`. As printed, `P_s = P + …` moves every point even at `s = 1`; read

@@ -1,4 +1,4 @@
-//! [SF98] §2: tensor-product B-spline patches, one of the objects wires deform.
+//! \[SF98\] §2: tensor-product B-spline patches, one of the objects wires deform.
 //!
 //! A [`Patch`] is its control net. A [`Tessellation`] holds the basis functions at the vertices of a mesh of it,
 //! so that a net that moves gives new positions and normals without being set up again: either the evaluated
