@@ -22,6 +22,13 @@ pub(crate) struct Node {
     local: DAffine3,
 }
 
+impl Node {
+    /// Whether its place counts for nothing: of a skinned mesh that carries no other node.
+    pub(crate) fn is_carried_by_joints(&self) -> bool {
+        self.skin.is_some() && self.mesh.is_some() && self.children.is_empty()
+    }
+}
+
 /// All nodes, in the order of the document.
 #[derive(Clone, Debug)]
 pub(crate) struct Graph {

@@ -16,8 +16,8 @@ impl Gltf {
     /// Moves all that the scene shows: appends a node with `transform`, whose children are the scene's root nodes,
     /// and shows it in their place. No index moves, and clips play as before, in the placed scene.
     ///
-    /// Joints move along, and with them the vertices of skins; a skinned mesh's own nodes do not count, as ever. A
-    /// scene that shares some of the roots but not all is shown them at their new place too: then each root gets a
+    /// Joints move along, and with them the vertices of skins. A skinned mesh's own place does not count, so it stays a
+    /// root, as the standard recommends. A scene that shares some of the roots but not all is shown them at their new place too: then each root gets a
     /// node above it of its own. The identity changes nothing.
     ///
     /// # Errors
@@ -36,7 +36,8 @@ impl Gltf {
             return Err(AssetError::file("a placement that is not finite", "finite numbers"));
         }
         let graph = self.graph(&mut Budget::new(&self.limits), &mut Vec::new())?;
-        let roots = self.roots(&graph)?;
+        let mut roots = self.roots(&graph)?;
+        roots.retain(|&root| !graph.nodes[root].is_carried_by_joints());
         if roots.is_empty() {
             return Ok(());
         }

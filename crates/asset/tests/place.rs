@@ -47,7 +47,11 @@ fn what_a_scene_shows_is_moved() {
 #[test]
 fn skins_move_with_their_joints() {
     let json = moved(&skinned([0.5, 0.5, 0.0, 0.0]));
-    assert_eq!(json["nodes"].as_array().unwrap().len(), 4);
+    let nodes = json["nodes"].as_array().unwrap();
+    assert_eq!(nodes.len(), 4);
+    let is_mesh = |child: &Value| nodes[child.as_u64().unwrap() as usize].get("skin").is_some();
+    let moved = nodes[3]["children"].as_array().unwrap();
+    assert!(!moved.is_empty() && !moved.iter().any(is_mesh), "a skinned mesh stays a root: {nodes:?}");
 }
 
 #[test]
