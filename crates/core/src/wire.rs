@@ -34,6 +34,16 @@ pub struct Wire {
     pub correspondence: Correspondence,
     /// How the bend is measured. Default the angle of the tangents.
     pub bend: Bend,
+    /// \[SF98\] §3.1, directional dropoff: `F` is multiplied by `f(φ / angle)`, `φ` the angle between this axis and `P − R(p)`,
+    /// both seen along `R′(p)`; 0 where one of them has no such direction, on the curve for instance. Of any length but 0.
+    /// Default none: all directions alike.
+    pub direction: Option<[f32; 3]>,
+    /// Where the directional dropoff ends, radians, > 0. Default π: nothing moves on the far side of the wire.
+    pub angle: f32,
+    /// \[SF98\] §3.2: curves that bound what the wire does. Default none.
+    pub domains: Vec<Domain>,
+    /// Which feet of a point count. Default the closest alone.
+    pub closest: Closest,
     /// Of the wires of one group only the one whose `R` is nearest acts at a point; of equally near ones the
     /// first. So a wire cut into several deforms as one (§4). Default none.
     pub group: Option<u32>,
@@ -57,6 +67,10 @@ impl Wire {
             interpolation: Interpolation::Linear,
             correspondence: Correspondence::Parameter,
             bend: Bend::Tangent,
+            direction: None,
+            angle: std::f32::consts::PI,
+            domains: Vec::new(),
+            closest: Closest::Smallest,
             group: None,
             exponent: None,
         }
@@ -85,6 +99,23 @@ pub enum WireError {
     /// The exponent of [`Density::Fold`] is below 1 or not finite.
     #[error("the fold's exponent {0} is not 1 or more")]
     Fold(f32),
+    /// A direction is zero, NaN or infinite.
+    #[error("the direction {0:?} is zero or not finite")]
+    Direction([f32; 3]),
+    /// An angle of a directional dropoff is not positive and finite.
+    #[error("the angle {0} is not positive")]
+    Angle(f32),
+    /// The `delta` of a domain curve lies outside `[0, 1)`.
+    #[error("the delta {delta} of domain {index} lies outside [0, 1)")]
+    Delta {
+        /// Which domain, from 0.
+        index: usize,
+        /// Its delta.
+        delta: f32,
+    },
+    /// The width of [`Closest::Blended`] is not positive and finite.
+    #[error("the width {0} of blended feet is not positive")]
+    Width(f32),
     /// A locator lies outside the curve or before the one before it.
     #[error("locator {index} lies outside the curve or out of order")]
     Locator {
@@ -130,7 +161,35 @@ impl Wire {
         {
             return Err(WireError::Fold(q));
         }
-        finite("exponent", self.exponent.unwrap_or(1.0), |_| None)
+        finite("exponent", self.exponent.unwrap_or(1.0), |_| None)?;
+        self.check_bounds()
+    }
+
+    /// Whether what bounds the influence is in range.
+    fn check_bounds(&self) -> Result<(), WireError> {
+        let directions = self.locators.iter().filter_map(|l| l.direction).chain(self.direction);
+        for direction in directions {
+            if direction == [0.0; 3] || direction.iter().any(|c| !c.is_finite()) {
+                return Err(WireError::Direction(direction));
+            }
+        }
+        let positive = |x: f32| x > 0.0 && x.is_finite();
+        let mut angles = self.locators.iter().filter_map(|l| l.angle).chain([self.angle]);
+        if let Some(angle) = angles.find(|a| !positive(*a)) {
+            return Err(WireError::Angle(angle));
+        }
+        for (index, &Domain { delta, exponent, .. }) in self.domains.iter().enumerate() {
+            if !(0.0..1.0).contains(&delta) {
+                return Err(WireError::Delta { index, delta });
+            }
+            if !exponent.is_finite() {
+                return Err(WireError::NotFinite("exponent of a domain"));
+            }
+        }
+        match self.closest {
+            Closest::Blended(width) if !positive(width) => Err(WireError::Width(width)),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -152,6 +211,70 @@ pub struct Locator {
     pub amplitude: Option<f32>,
     /// Twist there, radians.
     pub twist: Option<f32>,
+    /// Axis of the directional dropoff there, of any length but 0; interpolated coordinate by coordinate.
+    pub direction: Option<[f32; 3]>,
+    /// Angle of the directional dropoff there, radians, > 0.
+    pub angle: Option<f32>,
+}
+
+/// \[SF98\] §3.2: a curve `D` that bounds what a wire does on the side where it lies.
+///
+/// With `cosangle` the cosine of the angle at `R(p)` between `D(p_D)` and `P` the radius is the wire's own where
+/// `cosangle ≤ 0`, `‖R(p) − D(p_D)‖` where `cosangle ≥ delta`, and between the two runs as `3x² − 2x³` from the one to the other.
+/// A point on `R` has `F = 1`. §4: several domains give `F = Σ Fⱼ·Fⱼ^mⱼ / Σ Fⱼ^mⱼ` over those with `Fⱼ > 0`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Domain {
+    /// `D`.
+    pub curve: Curve,
+    /// `δ ∈ [0, 1)`: above 0 the influence is continuous from one side to the other. Default 0.
+    pub delta: f32,
+    /// `m`: positive makes a union of several domains, negative tends towards the smallest. Default 1.
+    pub exponent: f32,
+    /// What it bounds. Default the influence.
+    pub bounds: Bounded,
+}
+
+impl Domain {
+    /// The domain curve that bounds the influence, without a transition.
+    pub fn new(curve: Curve) -> Self {
+        Self { curve, delta: 0.0, exponent: 1.0, bounds: Bounded::Influence }
+    }
+}
+
+/// What a domain curve bounds. The influence `F` itself; or one attribute, whose effect is multiplied by the `F` that the domain
+/// curves of this attribute alone would give: the scale tends to 1, the others to 0, as a point nears `D`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bounded {
+    /// `F`.
+    #[default]
+    Influence,
+    /// `s − 1`.
+    Scale,
+    /// The rotation factor.
+    Rotation,
+    /// The amplitude.
+    Amplitude,
+    /// The twist.
+    Twist,
+}
+
+/// Which feet of a point count, §2 and §6.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Closest {
+    /// The closest alone; of equally near ones that with the smallest `u`. The deformation steps where the foot jumps, across the
+    /// medial axis of a bent wire.
+    #[default]
+    Smallest,
+    /// All local minima of the distance that are nearer than the least one plus this width, > 0. `ΔP` and `F` are means of the feet's
+    /// own, by weights that fall to 0 as a foot's distance reaches that end and as it stops being a minimum; so the
+    /// deformation steps nowhere but at the cusps of the evolute.
+    ///
+    /// Foot `i` at distance `dᵢ` weighs `a((dᵢ − min d) / width)·ρᵢ`. `a(x) = q / (1 − q)`, `q = t²(3 − 2t)`, `t = (1 − x)/2`: of two
+    /// feet the nearer has a share that runs smoothly from a half to the whole. `ρᵢ = min B(Sᵢⱼ − dᵢ) / B(Sᵢⱼ − dⱼ)` over the
+    /// nearer feet `j`, where `Sᵢⱼ` is the greatest distance on the way from `i` to `j` along the curve (round a closed one, on
+    /// the way where it is less), `B(s) = x(2 − x)`, `x = min(s / width, 1)`: 1 where a ridge parts the two, 0 where the foot
+    /// runs into the ridge.
+    Blended(f32),
 }
 
 /// How attributes run between two locators.

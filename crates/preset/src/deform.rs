@@ -113,6 +113,7 @@ impl KeyedWire {
                 rotation: now(&keyed.rotation),
                 amplitude: now(&keyed.amplitude),
                 twist: now(&keyed.twist),
+                ..*locator
             };
         }
     }

@@ -102,6 +102,8 @@ fn wire(random: &mut Random, frame: &Frame, turn: usize) -> Wire {
         rotation: Some(random.pick(&[1.0, 1.0, 0.0, 0.5, -1.0])),
         amplitude: Some(random.pick(&[1.0, 1.0, 0.6, -0.5])),
         twist: Some(random.pick(&[0.0, 0.0, 0.7, -9.0])),
+        direction: None,
+        angle: None,
     };
     let own = attributes(random);
     let mut locators: Vec<Locator> = (0..random.pick(&[0, 0, 0, 1, 2, 3]))
@@ -116,6 +118,8 @@ fn wire(random: &mut Random, frame: &Frame, turn: usize) -> Wire {
                 rotation: some(all.rotation),
                 amplitude: some(all.amplitude),
                 twist: some(all.twist),
+                direction: None,
+                angle: None,
                 u,
             }
         })
