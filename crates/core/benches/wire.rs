@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use wirework_core::{Binding, Blend, Curve, Wire};
+use wirework_core::{Binding, Blend, Curve, Domain, Locator, Wire};
 use wirework_reference::Scene;
 
 /// Points along a side of the grid.
@@ -35,6 +35,12 @@ fn main() {
     let brute = reference(&wires, &grid);
     one.install(|| measure("1 wire, 1 thread, rows of a grid", &wires, &grid, copy, brute));
     one.install(|| measure("1 wire, 1 thread, shuffled", &wires, &shuffled, copy, brute));
+    let bounded = [bounded(moved(snake(0.0, 1.5)))];
+    let brute = reference(&bounded, &grid);
+    one.install(|| {
+        measure("1 wire with locators, domain and twist, 1 thread, rows", &bounded, &grid, copy, brute)
+    });
+    one.install(|| measure("the same, shuffled", &bounded, &shuffled, copy, brute));
     let small = [moved(snake(0.0, 0.1))];
     let brute = reference(&small, &grid);
     one.install(|| measure("1 wire of small radius, 1 thread, rows", &small, &grid, copy, brute));
@@ -76,6 +82,23 @@ fn moved(mut wire: Wire) -> Wire {
         p[2] += 0.1;
     }
     Wire { scale: 1.2, ..wire }
+}
+
+/// The wire with three locators, a twist, and a domain curve beside it that bounds one side.
+fn bounded(mut wire: Wire) -> Wire {
+    let beside = wire.reference.points().iter().map(|p| [p[0], p[1] + 0.1, p[2] + 0.7]).collect();
+    let domain = Curve::bspline(3, beside).expect("finite points");
+    wire.domains = vec![Domain { delta: 0.3, ..Domain::new(domain) }];
+    let locator = |u, radius, scale, twist| Locator {
+        u,
+        radius: Some(radius),
+        scale: Some(scale),
+        twist: Some(twist),
+        ..Locator::default()
+    };
+    wire.locators =
+        vec![locator(0.1, 1.5, 1.2, 0.0), locator(0.4, 1.3, 0.9, 0.8), locator(0.8, 1.5, 1.1, -0.4)];
+    wire
 }
 
 /// Seconds a point of the float64 reference, its curves prepared beforehand: for the feet alone, and for the whole.

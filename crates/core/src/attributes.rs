@@ -4,7 +4,7 @@
 //! linear, or cubic with [`Interpolation::Smooth`]. Points are bound to *cells*, segments cut at the locators, so
 //! that a run of points shares these polynomials as it shares the curve's.
 
-use crate::{Interpolation, Locator, Wire};
+use crate::{Domain, Interpolation, Locator, Wire};
 
 /// An attribute a wire's locators may carry.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +14,9 @@ pub(crate) enum Attribute {
     Rotation,
     Amplitude,
     Twist,
+    Angle,
+    /// One coordinate of the direction; meaningless where [`is_directional`] is not.
+    Direction(usize),
 }
 
 impl Attribute {
@@ -24,6 +27,8 @@ impl Attribute {
             Self::Rotation => wire.rotation,
             Self::Amplitude => wire.amplitude,
             Self::Twist => wire.twist,
+            Self::Angle => wire.angle,
+            Self::Direction(axis) => wire.direction.map_or(0.0, |d| d[axis]),
         }
     }
 
@@ -34,6 +39,8 @@ impl Attribute {
             Self::Rotation => locator.rotation,
             Self::Amplitude => locator.amplitude,
             Self::Twist => locator.twist,
+            Self::Angle => locator.angle,
+            Self::Direction(axis) => locator.direction.map(|d| d[axis]),
         }
     }
 }
@@ -89,33 +96,42 @@ pub(crate) fn polynomial(wire: &Wire, attribute: Attribute, start: f64, width: f
     }
 }
 
-/// The attribute at `u`.
-pub(crate) fn value(wire: &Wire, attribute: Attribute, u: f64) -> f64 {
-    polynomial(wire, attribute, u, 0.0, u)[0]
-}
-
 /// The largest radius anywhere along the wire: no point farther away is moved.
 pub(crate) fn largest_radius(wire: &Wire) -> f32 {
     let carried = wire.locators.iter().filter_map(|l| l.radius);
     carried.reduce(f32::max).unwrap_or(wire.radius)
 }
 
-/// Whether two wires have the same influence at every point: all that `F` depends on but the reference.
+/// Whether the wire has a directional dropoff.
+pub(crate) fn is_directional(wire: &Wire) -> bool {
+    wire.direction.is_some() || wire.locators.iter().any(|l| l.direction.is_some())
+}
+
+/// Whether two wires, bound to the same points by the same feet and domain curves, have the same influence at every one.
 pub(crate) fn same_influence(a: &Wire, b: &Wire) -> bool {
+    let of_locator = |l: &Locator| (l.u, l.radius, l.direction, l.angle);
+    let of_domain = |d: &Domain| (d.delta, d.exponent);
     a.radius == b.radius
         && a.density == b.density
         && a.interpolation == b.interpolation
-        && a.locators.iter().map(|l| (l.u, l.radius)).eq(b.locators.iter().map(|l| (l.u, l.radius)))
+        && (a.direction, a.angle) == (b.direction, b.angle)
+        && a.locators.iter().map(of_locator).eq(b.locators.iter().map(of_locator))
+        && a.domains.iter().map(of_domain).eq(b.domains.iter().map(of_domain))
 }
 
-/// Takes over what [`same_influence`] compares, from a wire with as many locators; a profile is copied only where it changed.
+/// Takes over what [`same_influence`] compares, from a wire with as many locators and domains; a profile is copied only where
+/// it changed.
 pub(crate) fn copy_influence(from: &Wire, to: &mut Wire) {
     (to.radius, to.interpolation) = (from.radius, from.interpolation);
+    (to.direction, to.angle) = (from.direction, from.angle);
     if to.density != from.density {
         to.density.clone_from(&from.density);
     }
     for (from, to) in from.locators.iter().zip(&mut to.locators) {
-        to.radius = from.radius;
+        (to.radius, to.direction, to.angle) = (from.radius, from.direction, from.angle);
+    }
+    for (from, to) in from.domains.iter().zip(&mut to.domains) {
+        (to.delta, to.exponent) = (from.delta, from.exponent);
     }
 }
 
@@ -123,6 +139,10 @@ pub(crate) fn copy_influence(from: &Wire, to: &mut Wire) {
 mod tests {
     use super::*;
     use crate::{Curve, CurveKind};
+
+    fn value(wire: &Wire, attribute: Attribute, u: f64) -> f64 {
+        polynomial(wire, attribute, u, 0.0, u)[0]
+    }
 
     fn wire(closed: bool, locators: Vec<Locator>) -> Wire {
         let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];

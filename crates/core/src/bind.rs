@@ -10,13 +10,16 @@ use crate::attributes::{copy_influence, largest_radius, same_influence};
 use crate::blend::{self, Sums};
 use crate::cells::Cells;
 use crate::closest::Pieces;
+use crate::domain::DomainCurve;
 use crate::frame::Frame;
+use crate::influence::Measure;
 use crate::kernel::{Displacements, displace};
-use crate::runs::{Runs, StoredFoot, find_feet};
+use crate::runs::{Bound, Runs};
+use crate::search::{Found, Sought};
 use crate::spans::Spans;
 use crate::tiles::{TILE, Tile, Tiles};
 use crate::wire::WireError;
-use crate::{Blend, Wire};
+use crate::{Blend, Bounded, Closest, Domain, Wire};
 
 /// A wire whose radius grows beyond what its points were bound for is bound anew for so much more, lest a steady growth
 /// bind in every frame.
@@ -26,6 +29,9 @@ const REACH_SLACK: f32 = 1.25;
 /// of float64 only. Where a wire is cut in two the first half's end would otherwise stand for feet on the second half as far
 /// away as the tolerance's square root.
 const GROUP_TIE: f64 = 1e-13;
+
+/// Stands for a reach that nothing was sought in yet.
+const UNBOUND: f32 = -1.0;
 
 /// Why points cannot be bound or deformed.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -45,6 +51,14 @@ pub enum BindError {
     /// More points than 32 bits count.
     #[error("{0} points are more than 2³² − 1")]
     TooManyPoints(usize),
+    /// A mask does not hold a number for each point.
+    #[error("a mask of {points} points holds {found} numbers")]
+    MaskCount {
+        /// Points to be bound.
+        points: usize,
+        /// Length of the mask.
+        found: usize,
+    },
     /// The wires given are not as many as were bound.
     #[error("{bound} wires were bound, {found} are given")]
     WireCount {
@@ -70,6 +84,8 @@ pub enum BindError {
 pub struct Binding {
     tiles: Tiles,
     wires: Vec<BoundWire>,
+    /// Each mask once; wires often share one.
+    masks: Vec<Vec<f32>>,
     /// About one over the size of the scene, a power of two.
     unit: f32,
     /// Wires of a group are equally near when their distances differ by less.
@@ -81,14 +97,22 @@ pub struct Binding {
 struct BoundWire {
     /// The state the points were bound in.
     wire: Wire,
-    /// Feet were sought up to this distance.
+    /// Feet were sought up to this distance; [`UNBOUND`] before.
     reach: f32,
+    /// The group it was in before it was bound anew.
+    left: Option<u32>,
+    /// Whether its feet were found since the groups were last sorted.
+    found_anew: bool,
+    /// Which of [`Binding::masks`] it has.
+    mask: Option<usize>,
     spans: Spans,
+    pieces: Pieces,
+    domains: Vec<DomainCurve>,
     lengths: ArcLength,
     cells: Cells,
     runs: Runs,
     /// Kept only in a group, where the nearest wire is chosen again when one of them moves.
-    feet: Vec<StoredFoot>,
+    found: Found,
     frame: Frame,
 }
 
@@ -109,12 +133,15 @@ impl Binding {
         Self::masked(wires, points, &[])
     }
 
-    /// The same with masks: `masks[i]`, where there is one, multiplies `F` of wire `i`, a number from 0 to 1 for each point.
+    /// The same with masks: `masks[i]`, where there is one, multiplies `F` of wire `i`, a number from 0 to 1 for each point. Numbers
+    /// outside are taken as the nearer of the two, NaN as 0. May be shorter than `wires`.
     pub fn masked(wires: &[Wire], points: &[[f32; 3]], masks: &[Option<&[f32]>]) -> Result<Self, BindError> {
-        let _ = masks;
         check(wires)?;
         if u32::try_from(points.len()).is_err() {
             return Err(BindError::TooManyPoints(points.len()));
+        }
+        if let Some(found) = masks.iter().flatten().map(|mask| mask.len()).find(|len| *len != points.len()) {
+            return Err(BindError::MaskCount { points: points.len(), found });
         }
         let tiles = Tiles::new(points);
         let whole = tiles.ball().map_or(0.0, |ball| ball.radius);
@@ -122,10 +149,13 @@ impl Binding {
         let of_points = tiles.ball().map_or(0.0, |ball| ball.center.abs().max_element() + ball.radius);
         let of_curves = wires.iter().flat_map(|w| w.reference.points()).flatten().map(|c| f64::from(c.abs()));
         let tie = GROUP_TIE * of_curves.fold(of_points, f64::max);
-        let mut binding = Self { tiles, wires: Vec::new(), unit, tie };
+        let (kept, of_wires) = keep_masks(masks);
+        let mut binding = Self { tiles, wires: Vec::new(), masks: kept, unit, tie };
+        let mask = |index: usize| of_wires.get(index).copied().flatten();
+        binding.wires.extend(wires.iter().enumerate().map(|(i, wire)| BoundWire::new(wire, mask(i))));
         for index in 0..wires.len() {
-            let bound = BoundWire::new(&wires[index], group_radius(wires, index), &binding.tiles);
-            binding.wires.push(bound);
+            let reach = binding.reach(wires, index);
+            binding.wires[index].find(reach, &binding.tiles, &binding.masks);
         }
         for index in 0..wires.len() {
             binding.sort_group(index);
@@ -140,7 +170,7 @@ impl Binding {
 
     /// Number of pairs of a point and a wire that reaches it.
     pub fn pair_count(&self) -> usize {
-        self.wires.iter().map(|w| w.runs.index.len()).sum()
+        self.wires.iter().map(|w| w.runs.pair_count()).sum()
     }
 
     /// Deforms the bound points by the present state of `wires` into `out`: \[SF98\] §2 for each wire, §4 for all.
@@ -191,30 +221,51 @@ impl Binding {
 
     /// Rebinds what has to be.
     fn update(&mut self, wires: &[Wire]) {
-        for index in 0..wires.len() {
-            let (wire, bound) = (&wires[index], &self.wires[index]);
-            let radius = group_radius(wires, index);
-            let places = |w: &Wire, i: usize| w.locators.get(i).map(|l| l.u);
-            let moved = bound.wire.reference != wire.reference
-                || bound.wire.group != wire.group
-                || bound.wire.locators.len() != wire.locators.len()
-                || (0..wire.locators.len()).any(|i| places(wire, i) != places(&bound.wire, i));
-            if moved || radius > bound.reach {
-                let reach = if moved { radius } else { radius * REACH_SLACK };
+        for (bound, wire) in self.wires.iter_mut().zip(wires) {
+            if !same_places(&bound.wire, wire) {
                 let old_group = bound.wire.group;
-                self.wires[index] = BoundWire::new(wire, reach, &self.tiles);
-                for other in 0..wires.len() {
-                    let group = self.wires[other].wire.group;
-                    if group == wire.group || group == old_group {
-                        self.sort_group(other);
-                    }
-                }
-            } else if !same_influence(&bound.wire, wire) {
-                let bound = &mut self.wires[index];
-                copy_influence(wire, &mut bound.wire);
-                bound.runs.measure(wire, &bound.spans, &bound.cells);
+                *bound = BoundWire { left: old_group, ..BoundWire::new(wire, bound.mask) };
             }
         }
+        for index in 0..wires.len() {
+            let (wire, reach) = (&wires[index], self.reach(wires, index));
+            let bound = &mut self.wires[index];
+            let anew = bound.reach == UNBOUND;
+            if reach > bound.reach {
+                copy_influence(wire, &mut bound.wire);
+                bound.find(if anew { reach } else { reach * REACH_SLACK }, &self.tiles, &self.masks);
+                bound.found_anew = true;
+            } else if !same_influence(&bound.wire, wire) {
+                copy_influence(wire, &mut bound.wire);
+                let measure = Measure { wire, spans: &bound.spans, cells: &bound.cells };
+                bound.runs.measure(measure, &self.tiles);
+            }
+        }
+        // Only now are the feet of all rivals known.
+        for index in 0..wires.len() {
+            let group = self.wires[index].wire.group;
+            let concerns = |other: &BoundWire| {
+                other.found_anew && group.is_some() && (other.wire.group == group || other.left == group)
+            };
+            if self.wires.iter().any(concerns) {
+                self.sort_group(index);
+            }
+        }
+        for bound in &mut self.wires {
+            (bound.found_anew, bound.left) = (false, None);
+        }
+    }
+
+    /// How far a wire's feet matter, but for its domain curves: its own radius, and in a group the reach of all, since the
+    /// nearest wire keeps the others off.
+    fn reach(&self, wires: &[Wire], index: usize) -> f32 {
+        let own = largest_radius(&wires[index]);
+        if wires[index].group.is_none() {
+            return own;
+        }
+        let same = |(wire, _): &(&Wire, &BoundWire)| wire.group == wires[index].group;
+        let reach = |(wire, bound): (&Wire, &BoundWire)| largest_radius(wire).max(bound.domain_reach());
+        wires.iter().zip(&self.wires).filter(same).map(reach).fold(own, f32::max)
     }
 
     /// Makes the runs of a wire of a group from its feet: of the points that are nearest to this wire.
@@ -227,38 +278,80 @@ impl Binding {
         let rivals = |&(other, w): &(usize, &BoundWire)| other != index && w.wire.group == group;
         let rivals: Vec<(usize, &BoundWire)> = self.wires.iter().enumerate().filter(rivals).collect();
         let acts = |i: usize| {
-            let own = bound.feet[i].distance;
-            let nearest = rivals.iter().map(|(_, rival)| rival.feet[i].distance).fold(own, f64::min);
+            let own = bound.found.feet[i].distance;
+            let nearest = rivals.iter().map(|(_, rival)| rival.found.feet[i].distance).fold(own, f64::min);
             let near = |distance: f64| distance <= nearest + self.tie;
-            near(own) && !rivals.iter().any(|(other, rival)| *other < index && near(rival.feet[i].distance))
+            near(own)
+                && !rivals.iter().any(|(other, rival)| *other < index && near(rival.found.feet[i].distance))
         };
-        let runs = Runs::new(&bound.wire, &bound.spans, &bound.cells, &bound.feet, &acts);
+        let runs = Runs::new(bound.bound(&self.masks), &self.tiles, &bound.found, &acts);
         self.wires[index].runs = runs;
     }
 }
 
 impl BoundWire {
-    fn new(wire: &Wire, reach: f32, tiles: &Tiles) -> Self {
+    /// The wire prepared; its feet are still to be found.
+    fn new(wire: &Wire, mask: Option<usize>) -> Self {
         let spans = Spans::new(&wire.reference);
-        let pieces = Pieces::new(&spans);
-        let cells = Cells::new(wire, &spans);
-        let mut bound = Self {
+        let width = if let Closest::Blended(width) = wire.closest { f64::from(width) } else { 0.0 };
+        let domain = |d: &Domain| DomainCurve::new(&d.curve, d.bounds == Bounded::Influence);
+        Self {
             lengths: ArcLength::new(&spans),
+            pieces: Pieces::new(&spans, width),
+            cells: Cells::new(wire, &spans),
+            domains: wire.domains.iter().map(domain).collect(),
             wire: wire.clone(),
-            reach,
+            reach: UNBOUND,
+            left: None,
+            found_anew: false,
+            mask,
             runs: Runs::default(),
-            feet: Vec::new(),
+            found: Found::default(),
             frame: Frame::default(),
-            cells,
             spans,
-        };
-        if wire.group.is_some() {
-            bound.feet = find_feet(&pieces, tiles, f64::from(reach));
-        } else {
-            bound.runs = Runs::bind(wire, &bound.spans, &bound.cells, &pieces, tiles, f64::from(reach));
         }
-        bound
     }
+
+    /// Finds the feet of all points up to `reach`, and makes runs of them; in a group that is left to [`Binding::sort_group`].
+    fn find(&mut self, reach: f32, tiles: &Tiles, masks: &[Vec<f32>]) {
+        self.reach = reach;
+        if self.wire.group.is_some() {
+            self.found = self.bound(masks).sought.everywhere(tiles);
+        } else {
+            self.runs = Runs::bind(self.bound(masks), tiles);
+        }
+    }
+
+    /// How far its domain curves may carry its influence.
+    fn domain_reach(&self) -> f32 {
+        self.domains.iter().map(|domain| domain.reach(&self.pieces)).fold(0.0, f64::max) as f32
+    }
+
+    fn bound<'a>(&'a self, masks: &'a [Vec<f32>]) -> Bound<'a> {
+        Bound {
+            wire: &self.wire,
+            spans: &self.spans,
+            cells: &self.cells,
+            sought: Sought { pieces: &self.pieces, domains: &self.domains, reach: f64::from(self.reach) },
+            mask: self.mask.and_then(|mask| masks.get(mask)).map(Vec::as_slice),
+        }
+    }
+}
+
+/// Each of the masks once, and which of them each wire has.
+fn keep_masks(masks: &[Option<&[f32]>]) -> (Vec<Vec<f32>>, Vec<Option<usize>>) {
+    let mut given: Vec<&[f32]> = Vec::new();
+    let of_wires = masks.iter().map(|mask| {
+        let mask = (*mask)?;
+        let known = given.iter().position(|other| std::ptr::eq(*other, mask));
+        Some(known.unwrap_or_else(|| {
+            given.push(mask);
+            given.len() - 1
+        }))
+    });
+    let of_wires = of_wires.collect();
+    let in_range = |f: &f32| if f.is_nan() { 0.0 } else { f.clamp(0.0, 1.0) };
+    (given.into_iter().map(|mask| mask.iter().map(in_range).collect()).collect(), of_wires)
 }
 
 fn check(wires: &[Wire]) -> Result<(), BindError> {
@@ -266,11 +359,12 @@ fn check(wires: &[Wire]) -> Result<(), BindError> {
     wires.iter().enumerate().find_map(fault).map_or(Ok(()), Err)
 }
 
-/// How far a wire's feet matter: its own reach, and in a group that of all, since the nearest wire keeps the others off.
-fn group_radius(wires: &[Wire], index: usize) -> f32 {
-    let wire = &wires[index];
-    let same = |w: &&Wire| wire.group.is_some() && w.group == wire.group;
-    wires.iter().filter(same).chain([wire]).map(largest_radius).fold(0.0, f32::max)
+/// Whether two wires have the same feet for all points, and the same standing to domain curves.
+fn same_places(a: &Wire, b: &Wire) -> bool {
+    let locators = a.locators.iter().map(|l| l.u).eq(b.locators.iter().map(|l| l.u));
+    let domains =
+        a.domains.iter().map(|d| (&d.curve, d.bounds)).eq(b.domains.iter().map(|d| (&d.curve, d.bounds)));
+    a.reference == b.reference && a.closest == b.closest && a.group == b.group && locators && domains
 }
 
 /// Deforms one tile; compiled for the vector instructions the processor has.
@@ -293,9 +387,9 @@ impl pulp::WithSimd for DeformTile<'_> {
         let (displacements, sums) = self.scratch;
         let mut used = 0;
         for (bound, wire) in self.bound.iter().zip(self.wires) {
-            let runs = bound.runs.of_tile(self.index);
+            let Some(runs) = bound.runs.of_tile(self.index) else { continue };
             // A wire that has not moved still anchors its surroundings in the local blend.
-            if runs.is_empty() || (bound.frame.still && self.blend.localize == 0.0) {
+            if bound.frame.still && self.blend.localize == 0.0 {
                 continue;
             }
             if displacements.len() == used {
@@ -305,15 +399,13 @@ impl pulp::WithSimd for DeformTile<'_> {
             out.clear();
             out.exponent = wire.exponent.unwrap_or(self.blend.exponent);
             used += 1;
-            for run in runs {
+            for run in &runs.list {
                 let cell = &bound.frame.cells[run.cell as usize];
-                let points = bound.runs.points(run);
+                let points = runs.points(run);
                 if !cell.still {
                     displace(simd, self.tile, &bound.frame, cell, points, out);
                 } else if self.blend.localize != 0.0 {
-                    for (&k, &f) in points.index.iter().zip(points.influence) {
-                        out.influence[k as usize & (TILE - 1)] = f;
-                    }
+                    points.anchor(out);
                 }
             }
         }

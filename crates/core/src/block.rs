@@ -28,12 +28,14 @@ pub(crate) struct Block {
     origin: DVec3,
     /// The largest coordinate of the curve.
     reach: f64,
+    /// Feet this much farther than the closest count too.
+    width: f64,
 }
 
 impl Block {
-    pub(crate) fn new(origin: DVec3, reach: f64) -> Self {
+    pub(crate) fn new(origin: DVec3, reach: f64, width: f64) -> Self {
         let zero = [0.0; BLOCK];
-        Self { x: zero, y: zero, z: zero, tie: zero, count: 0, origin, reach }
+        Self { x: zero, y: zero, z: zero, tie: zero, count: 0, origin, reach, width }
     }
 
     /// Takes `count` points of a tile, from `start` on.
@@ -84,6 +86,8 @@ pub(crate) struct Feet {
     pub(crate) span: [u32; BLOCK],
     /// The least distance of all feet so far; the best foot may tie with it.
     least: Row,
+    /// The least distance but one.
+    second: Row,
     /// Farther feet are no use: the least distance and a tie, or how far feet are sought.
     reach: Row,
 }
@@ -92,13 +96,14 @@ impl Feet {
     pub(crate) fn new() -> Self {
         let zero = [0.0; BLOCK];
         let none = [f64::INFINITY; BLOCK];
-        Self { distance: none, t: zero, span: [0; BLOCK], least: none, reach: zero }
+        Self { distance: none, t: zero, span: [0; BLOCK], least: none, second: none, reach: zero }
     }
 
     /// Forgets all feet; new ones are sought up to `reach`.
     pub(crate) fn reset(&mut self, reach: f64) {
         self.distance = [f64::INFINITY; BLOCK];
         self.least = [f64::INFINITY; BLOCK];
+        self.second = [f64::INFINITY; BLOCK];
         self.reach = [reach; BLOCK];
     }
 
@@ -106,6 +111,11 @@ impl Feet {
     #[inline(always)]
     pub(crate) fn reach(&self) -> &Row {
         &self.reach
+    }
+
+    /// Whether another foot than the closest is nearer than that one plus `width`, of those that were sought.
+    pub(crate) fn has_rival(&self, lane: usize, width: f64) -> bool {
+        self.second[lane] < self.least[lane] + width
     }
 
     /// Whether a foot at `distance` would be of use to any point.
@@ -121,14 +131,16 @@ impl Feet {
         let distance = piece.cubic.at(s).distance(block.at(lane));
         let tie = block.tie[lane];
         let (span, t) = piece.place(s);
-        let least = if distance < self.least[lane] { distance } else { self.least[lane] };
+        let before = self.least[lane];
+        let (least, next) = if distance < before { (distance, before) } else { (before, distance) };
         self.least[lane] = least;
+        self.second[lane] = if next < self.second[lane] { next } else { self.second[lane] };
         let beaten = self.distance[lane] > least + tie;
         let earlier = (span, t) < (self.span[lane], self.t[lane]);
         if beaten || (earlier && distance <= least + tie) {
             (self.distance[lane], self.span[lane], self.t[lane]) = (distance, span, t);
         }
-        let useful = least + tie;
+        let useful = least + tie + block.width;
         self.reach[lane] = if useful < self.reach[lane] { useful } else { self.reach[lane] };
     }
 }

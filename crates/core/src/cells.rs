@@ -3,6 +3,7 @@
 //! A segment cut at the locators gives *stretches*; each joint of segments is a cell of its own, since a tangent there
 //! is the mean of both sides and, at a corner, a whole wedge of points has its foot there.
 
+use crate::attributes::{Attribute, polynomial};
 use crate::spans::Spans;
 use crate::{Locator, Wire};
 
@@ -16,6 +17,28 @@ pub(crate) enum Cell {
     Stretch { span: usize, t0: f64, inside: f64 },
     /// The joint before segment `joint`.
     Joint { joint: usize, u: f64 },
+}
+
+impl Cell {
+    /// An attribute in the cell, on a curve of `n` segments: powers of the distance from the cell's start, in segments.
+    pub(crate) fn attribute(self, wire: &Wire, attribute: Attribute, n: usize) -> [f64; 4] {
+        let width = 1.0 / n as f64;
+        match self {
+            Self::Stretch { span, t0, inside } => {
+                polynomial(wire, attribute, (span as f64 + t0) * width, width, inside)
+            }
+            Self::Joint { u, .. } => polynomial(wire, attribute, u, 0.0, u),
+        }
+    }
+
+    /// The segment and the place in it of a foot at `t`, for a curve of `n` segments.
+    pub(crate) fn place(self, t: f64, n: usize) -> (usize, f64) {
+        match self {
+            Self::Stretch { span, .. } => (span, t),
+            Self::Joint { joint, .. } if joint < n => (joint, 0.0),
+            Self::Joint { .. } => (n - 1, 1.0),
+        }
+    }
 }
 
 /// All cells of a wire: the stretches by rising parameter, then the joints.

@@ -42,7 +42,7 @@ impl Curve {
     pub fn closest(&self, point: [f32; 3]) -> Option<Foot> {
         curve::check_finite(&[point]).ok()?;
         let spans = Spans::new(self);
-        let pieces = Pieces::new(&spans);
+        let pieces = Pieces::new(&spans, 0.0);
         let mut block = pieces.block();
         block.push(to_dvec3(point));
         let mut feet = Feet::new();
@@ -62,14 +62,17 @@ pub(crate) struct Pieces {
     pub(crate) list: Vec<Piece>,
     /// Everything is relative to this, so that a curve far from the origin loses nothing.
     origin: DVec3,
+    pub(crate) closed: bool,
     /// A ball about the curve.
     pub(crate) ball: Ball,
     /// The largest coordinate, which scales ties.
     reach: f64,
+    /// Feet this much farther than the closest count too.
+    pub(crate) width: f64,
 }
 
 impl Pieces {
-    pub(crate) fn new(spans: &Spans) -> Self {
+    pub(crate) fn new(spans: &Spans, width: f64) -> Self {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for cubic in &spans.cubics {
             for p in [cubic.at(0.0), cubic.at(1.0)] {
@@ -100,18 +103,38 @@ impl Pieces {
         Self {
             list,
             origin,
+            closed: spans.closed,
             ball: Ball { center: origin, radius },
             reach: low.abs().max(high.abs()).max_element(),
+            width,
         }
     }
 
-    /// The pieces of `among` that may hold the closest point, within `reach`, of a point in the ball, each with a lower
+    /// A ball about one of the pieces.
+    pub(crate) fn ball_of(&self, candidate: Candidate) -> Ball {
+        let (center, radius) = self.list[candidate.piece as usize].ball();
+        Ball { center: self.origin + center, radius }
+    }
+
+    /// Whether none of the pieces `among` has a point ahead of `p` in the direction `v`.
+    #[inline(always)]
+    pub(crate) fn lie_behind(&self, among: &[Candidate], p: DVec3, v: DVec3) -> bool {
+        let p = p - self.origin;
+        for candidate in among {
+            if !self.list[candidate.piece as usize].lies_behind(p, v) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The pieces of `among` that may hold a foot that counts, within `reach`, of a point in the ball, each with a lower
     /// bound of its distance from such a point; nearest first.
     pub(crate) fn cull(&self, ball: Ball, reach: f64, among: &[Candidate], out: &mut Vec<Candidate>) {
         out.clear();
         let (center, radius) = (ball.center - self.origin, ball.radius);
         // A foot that ties with the closest one may come before it.
-        let tie = TIE * self.reach.max(ball.center.abs().max_element() + radius);
+        let tie = self.width + TIE * self.reach.max(ball.center.abs().max_element() + radius);
         let mut bound = reach;
         for candidate in among {
             let piece = &self.list[candidate.piece as usize];
@@ -128,7 +151,7 @@ impl Pieces {
 
     /// An empty block to be searched here.
     pub(crate) fn block(&self) -> Block {
-        Block::new(self.origin, self.reach)
+        Block::new(self.origin, self.reach, self.width)
     }
 
     /// All pieces as candidates.

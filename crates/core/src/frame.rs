@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::arclength::ArcLength;
-use crate::attributes::{Attribute, polynomial};
+use crate::attributes::Attribute;
 use crate::cells::{Cell, Cells};
 use crate::follow::{Places, Turns, tangent_near_joint};
 use crate::spans::{Cubic, Spans, to_dvec3};
@@ -107,16 +107,15 @@ impl Frame {
 
     fn cell(&self, wire: &Wire, r: &Spans, cell: Cell, by_length: bool, transported: bool) -> CellFrame {
         let n = r.cubics.len();
-        let width = 1.0 / n as f64;
         let curves = match cell {
             Cell::Stretch { span, .. } => self.stretch(r, span),
             Cell::Joint { joint, .. } => self.joint(r, joint, by_length),
         };
-        let (start, width, inside, place) = match cell {
-            Cell::Stretch { span, t0, inside } => ((span as f64 + t0) * width, width, inside, span as f64),
-            Cell::Joint { joint, u } => (u, 0.0, u, joint as f64),
+        let place = match cell {
+            Cell::Stretch { span, .. } => span as f64,
+            Cell::Joint { joint, .. } => joint as f64,
         };
-        let attribute = |a| polynomial(wire, a, start, width, inside).map(|c| c as f32);
+        let attribute = |a| cell.attribute(wire, a, n).map(|c| c as f32);
         let mut scale = attribute(Attribute::Scale);
         scale[0] -= 1.0;
         let (rotation, amplitude) = (attribute(Attribute::Rotation), attribute(Attribute::Amplitude));
@@ -164,8 +163,7 @@ impl Frame {
 
     /// At a joint everything is constant; an arc length there may lead anywhere on `W`.
     fn joint(&self, r: &Spans, joint: usize, by_length: bool) -> Curves {
-        let n = r.cubics.len();
-        let (span, t) = if joint < n { (joint, 0.0) } else { (n - 1, 1.0) };
+        let (span, t) = Cell::Joint { joint, u: 0.0 }.place(0.0, r.cubics.len());
         let constant = |v: DVec3| [v, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO];
         let on_r = r.cubics[span].at(t);
         let (d, w_tangent) = if by_length {

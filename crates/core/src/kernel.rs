@@ -65,7 +65,17 @@ pub(crate) struct RunPoints<'a> {
     pub(crate) index: &'a [u16],
     pub(crate) t: &'a [f32],
     pub(crate) influence: &'a [f32],
+    /// Shares of the feet, where a point has several; else empty.
+    pub(crate) weight: &'a [f32],
+    /// What is left of scale, rotation, amplitude and twist, where domain curves bound them; else empty.
+    pub(crate) fades: [&'a [f32]; 4],
 }
+
+// Places in `RunPoints::fades`.
+const SCALE: usize = 0;
+const ROTATION: usize = 1;
+const AMPLITUDE: usize = 2;
+const TWIST: usize = 3;
 
 /// Up to [`CHUNK`] points of a run. What the cell's polynomials do not give is looked up beforehand.
 struct Chunk {
@@ -79,6 +89,9 @@ struct Chunk {
     w_tangent: [Lane; 3],
     /// The rotation vector of transported frames.
     turn: [Lane; 3],
+    /// What is left of each attribute; read only where `faded`.
+    fades: [Lane; 4],
+    faded: [bool; 4],
 }
 
 /// Displaces the points of one run.
@@ -101,10 +114,18 @@ pub(crate) fn displace<S: Simd>(
         r_tangent: ZERO3,
         w_tangent: ZERO3,
         turn: ZERO3,
+        fades: [ZERO; 4],
+        faded: [0, 1, 2, 3].map(|i: usize| !points.fades[i].is_empty()),
     };
     let chunks = points.index.chunks(CHUNK).zip(points.t.chunks(CHUNK)).zip(points.influence.chunks(CHUNK));
-    for ((index, t), influence) in chunks {
+    for (number, ((index, t), influence)) in chunks.enumerate() {
         chunk.gather(tile, frame.origin, index, t, influence);
+        for i in 0..chunk.fades.len() {
+            if chunk.faded[i] {
+                let fade = &points.fades[i][number * CHUNK..];
+                chunk.fades[i][..index.len()].copy_from_slice(&fade[..index.len()]);
+            }
+        }
         if cell.by_length {
             chunk.follow_length(frame, cell, index.len());
         }
@@ -116,12 +137,34 @@ pub(crate) fn displace<S: Simd>(
         for vector in 0..index.len().div_ceil(S::F32_LANES) {
             chunk.displace(simd, cell, vector);
         }
-        for (i, &k) in index.iter().enumerate().take(CHUNK) {
-            let k = k as usize & (TILE - 1);
-            out.x[k] = chunk.p[0][i];
-            out.y[k] = chunk.p[1][i];
-            out.z[k] = chunk.p[2][i];
-            out.influence[k] = influence[i];
+        if points.weight.is_empty() {
+            for (i, &k) in index.iter().enumerate().take(CHUNK) {
+                let k = k as usize & (TILE - 1);
+                out.x[k] = chunk.p[0][i];
+                out.y[k] = chunk.p[1][i];
+                out.z[k] = chunk.p[2][i];
+                out.influence[k] = influence[i];
+            }
+        } else {
+            let weight = &points.weight[number * CHUNK..];
+            for (i, (&k, &w)) in index.iter().zip(weight).enumerate().take(CHUNK) {
+                let k = k as usize & (TILE - 1);
+                out.x[k] += w * chunk.p[0][i];
+                out.y[k] += w * chunk.p[1][i];
+                out.z[k] += w * chunk.p[2][i];
+                out.influence[k] += w * influence[i];
+            }
+        }
+    }
+}
+
+impl RunPoints<'_> {
+    /// `F` alone, where nothing moves.
+    #[inline(always)]
+    pub(crate) fn anchor(&self, out: &mut Displacements) {
+        for (i, (&k, &f)) in self.index.iter().zip(self.influence).enumerate() {
+            let w = self.weight.get(i).copied().unwrap_or(1.0);
+            out.influence[k as usize & (TILE - 1)] += w * f;
         }
     }
 }
@@ -165,7 +208,7 @@ impl Chunk {
         let one = Floats::splat(simd, 1.0);
         let (t, f) = (load(simd, &self.t, i), load(simd, &self.influence, i));
         let rest = load3(simd, &self.p, i) - Vectors::polynomial(t, &cell.r);
-        let mut v = rest.times(one + attribute(cell, &cell.scale, t) * f);
+        let mut v = rest.times(one + self.attribute(cell, SCALE, t, i) * f);
         let twists = cell.twist != [0.0; 4];
         if twists || cell.turn != Turn::None {
             let r_tangent = if cell.by_length {
@@ -174,7 +217,7 @@ impl Chunk {
                 Vectors::polynomial(t, &cell.r_tangent)
             };
             if twists {
-                v = twisted(v, r_tangent, attribute(cell, &cell.twist, t) * f);
+                v = twisted(v, r_tangent, self.attribute(cell, TWIST, t, i) * f);
             }
             if cell.turn != Turn::None {
                 let w_tangent = if cell.by_length {
@@ -182,7 +225,7 @@ impl Chunk {
                 } else {
                     Vectors::polynomial(t, &cell.w_tangent)
                 };
-                let amount = attribute(cell, &cell.rotation, t) * f;
+                let amount = self.attribute(cell, ROTATION, t, i) * f;
                 v = if cell.turn == Turn::Tangent {
                     bent(v, r_tangent, w_tangent, amount)
                 } else {
@@ -191,10 +234,27 @@ impl Chunk {
             }
         }
         let d = if cell.by_length { load3(simd, &self.d, i) } else { Vectors::polynomial(t, &cell.d) };
-        let moved = ((v - rest) + d.times(f)).times(attribute(cell, &cell.amplitude, t));
+        let moved = ((v - rest) + d.times(f)).times(self.attribute(cell, AMPLITUDE, t, i));
         for axis in 0..3 {
             Floats::<S>::vectors_mut(&mut self.p[axis])[i] = moved.0[axis].1;
         }
+    }
+
+    /// An attribute of the `i`-th vector of points, at places `t`; of the scale, how much it differs from 1.
+    #[inline(always)]
+    fn attribute<S: Simd>(&self, cell: &CellFrame, which: usize, t: Floats<S>, i: usize) -> Floats<S> {
+        let powers = match which {
+            SCALE => &cell.scale,
+            ROTATION => &cell.rotation,
+            AMPLITUDE => &cell.amplitude,
+            _ => &cell.twist,
+        };
+        let value = if cell.uniform {
+            Floats::splat(t.0, powers[0])
+        } else {
+            (t - Floats::splat(t.0, cell.t0)).polynomial(powers)
+        };
+        if self.faded[which] { value * load(t.0, &self.fades[which], i) } else { value }
     }
 }
 
@@ -211,12 +271,6 @@ fn load<S: Simd>(simd: S, lane: &Lane, i: usize) -> Floats<S> {
 #[inline(always)]
 fn load3<S: Simd>(simd: S, lanes: &[Lane; 3], i: usize) -> Vectors<S> {
     Vectors([load(simd, &lanes[0], i), load(simd, &lanes[1], i), load(simd, &lanes[2], i)])
-}
-
-/// An attribute of the cell at places `t`.
-#[inline(always)]
-fn attribute<S: Simd>(cell: &CellFrame, c: &[f32; 4], t: Floats<S>) -> Floats<S> {
-    if cell.uniform { Floats::splat(t.0, c[0]) } else { (t - Floats::splat(t.0, cell.t0)).polynomial(c) }
 }
 
 /// `v` rotated about `R′` by `angle`.

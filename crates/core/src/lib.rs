@@ -33,14 +33,19 @@ mod cells;
 mod closest;
 mod curve;
 mod density;
+mod domain;
 mod follow;
 mod frame;
+mod influence;
 mod kernel;
 mod keyed;
+mod lattice;
+mod medial;
 mod piece;
 mod quintic;
 mod rotation;
 mod runs;
+mod search;
 mod simd;
 mod spans;
 mod tiles;
@@ -52,6 +57,7 @@ pub use closest::Foot;
 pub use curve::{Curve, CurveError, CurveKind};
 pub use density::{Density, Profile, ProfileError};
 pub use keyed::{Interpolate, Keyed, Keys, KeysError};
+pub use lattice::{Lattice, LatticeBinding, LatticeError, MAX_LATTICE_CELLS};
 pub use wire::{
     Bend, Blend, Bounded, Closest, Correspondence, Domain, Interpolation, LARGEST_TWIST, Locator, Wire,
     WireError,

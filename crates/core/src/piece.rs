@@ -105,6 +105,21 @@ impl Piece {
         self.chord.0.length().max((self.chord.0 + self.chord.1).length()) + self.stray
     }
 
+    /// A ball about the piece, relative to the curve's origin.
+    pub(crate) fn ball(&self) -> (DVec3, f64) {
+        let (start, chord, _) = self.chord;
+        (start + 0.5 * chord, 0.5 * chord.length() + self.stray)
+    }
+
+    /// Whether no point of the piece lies ahead of `p` in the direction `v`.
+    #[inline(always)]
+    pub(crate) fn lies_behind(&self, p: DVec3, v: DVec3) -> bool {
+        let (start, chord, _) = self.chord;
+        let ahead = (start - p).dot(v);
+        // The stray is an upper bound already, widened for rounding.
+        ahead.max(ahead + chord.dot(v)) + self.stray * v.length() <= 0.0
+    }
+
     #[inline(always)]
     pub(crate) fn chord_distance(&self, p: DVec3) -> f64 {
         let (start, chord, inverse) = self.chord;
@@ -114,7 +129,7 @@ impl Piece {
     }
 
     #[inline(always)]
-    fn coefficients(&self, p: DVec3) -> Bernstein {
+    pub(crate) fn coefficients(&self, p: DVec3) -> Bernstein {
         std::array::from_fn(|k| self.a[k] - p.dot(self.b[k]))
     }
 

@@ -53,17 +53,28 @@ fn sign_changes(c: &Bernstein) -> u32 {
 
 /// Calls `found` with every root on `[0, 1]` at which the quintic passes from negative to positive, by rising `s`.
 pub(crate) fn rising_roots(c: &Bernstein, found: &mut impl FnMut(f64)) {
+    roots(c, &mut |s, rises| {
+        if rises {
+            found(s);
+        }
+    });
+}
+
+/// Calls `found` with every root on `[0, 1]` at which the sign changes, by rising `s`, and whether it becomes positive.
+pub(crate) fn roots(c: &Bernstein, found: &mut impl FnMut(f64, bool)) {
     isolate(c, 0.0, 1.0, DEPTH, found);
 }
 
-fn isolate(c: &Bernstein, s0: f64, width: f64, depth: u32, found: &mut impl FnMut(f64)) {
-    let rises = c[0] < 0.0 && c[5] >= 0.0;
+fn isolate(c: &Bernstein, s0: f64, width: f64, depth: u32, found: &mut impl FnMut(f64, bool)) {
+    let rises = c[0] < 0.0;
+    let crosses = rises == (c[5] >= 0.0);
     match sign_changes(c) {
-        1 if rises => found(s0 + width * single_root(c)),
-        0 | 1 => {}
+        0 => {}
+        1 if rises => found(s0 + width * single_root(c), true),
+        1 => found(s0 + width * single_root(&c.map(|c| -c)), false),
         _ if depth == 0 => {
-            if rises {
-                found(s0 + 0.5 * width);
+            if crosses {
+                found(s0 + 0.5 * width, rises);
             }
         }
         _ => {

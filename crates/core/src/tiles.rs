@@ -35,6 +35,11 @@ impl Tile {
         let i = i & (TILE - 1);
         [self.x[i], self.y[i], self.z[i]]
     }
+
+    #[inline(always)]
+    pub(crate) fn position(&self, i: usize) -> DVec3 {
+        to_dvec3(self.point(i))
+    }
 }
 
 /// A ball about some points.
@@ -50,6 +55,11 @@ type Bounds = (DVec3, DVec3);
 impl Ball {
     fn about((low, high): Bounds) -> Self {
         Self { center: 0.5 * (low + high), radius: 0.5 * (high - low).length() }
+    }
+
+    /// The ball about the box of those points that are finite; nothing where none is.
+    pub(crate) fn of(points: impl Iterator<Item = DVec3>) -> Option<Self> {
+        bounds(points).map(Self::about)
     }
 }
 

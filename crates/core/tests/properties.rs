@@ -15,30 +15,19 @@ fn wide(p: [f32; 3]) -> DVec3 {
     DVec3::from_array(p.map(f64::from))
 }
 
-/// Applies a map to all that has a place, and a factor to all that has a length.
-fn mapped(rig: &Rig, map: impl Fn(DVec3) -> DVec3, factor: f32) -> Rig {
-    let apply = |points: &[[f32; 3]]| -> Vec<[f32; 3]> {
-        points.iter().map(|&p| map(wide(p)).as_vec3().to_array()).collect()
-    };
-    let mut rig = rig.clone();
-    rig.points = apply(&rig.points);
-    for wire in &mut rig.wires {
-        wire.reference = wire.reference.posed(apply(wire.reference.points())).unwrap();
-        wire.pose = apply(&wire.pose);
-        wire.radius *= factor;
-        for radius in wire.locators.iter_mut().filter_map(|l| l.radius.as_mut()) {
-            *radius *= factor;
-        }
-    }
-    rig
+fn deform_rig(rig: &Rig) -> Vec<[f32; 3]> {
+    let mut out = vec![[0.0; 3]; rig.points.len()];
+    let mut binding = Binding::masked(&rig.wires, &rig.points, &rig.masks()).unwrap();
+    binding.deform_into(&rig.wires, &rig.blend, &mut out).unwrap();
+    out
 }
 
 /// Deforming and mapping in either order is the same within `tolerance` diagonals, but for a few points at which the
 /// rounding of the mapped input decides.
 fn commutes(seed: u64, rig: &Rig, map: impl Fn(DVec3) -> DVec3, factor: f32, tolerance: f64) -> usize {
-    let after = deform(&rig.wires, &rig.blend, &rig.points);
-    let other = mapped(rig, &map, factor);
-    let before = deform(&other.wires, &other.blend, &other.points);
+    let after = deform_rig(rig);
+    let other = rig.mapped(&map, factor);
+    let before = deform_rig(&other);
     let diagonal = other.diagonal();
     let (exact, mut left_out) = (OnceCell::new(), 0);
     for (i, (&a, &b)) in after.iter().zip(&before).enumerate() {
@@ -49,8 +38,10 @@ fn commutes(seed: u64, rig: &Rig, map: impl Fn(DVec3) -> DVec3, factor: f32, tol
                 let scene = |rig: &Rig| Scene::new(&rig.wires, &rig.blend);
                 (Doubt::new(&other.wires, &other.blend, 4e-7), scene(rig), scene(&other))
             });
-            let [one, two] = [one.deform(rig.points[i]), two.deform(other.points[i])].map(DVec3::from_array);
-            let moves = doubt.of(other.points[i]).max(map(one).distance(two)) / diagonal;
+            let masks = rig.masks_at(i);
+            let one = DVec3::from_array(one.deform_masked(rig.points[i], &masks));
+            let two = DVec3::from_array(two.deform_masked(other.points[i], &masks));
+            let moves = doubt.of_masked(other.points[i], &masks).max(map(one).distance(two)) / diagonal;
             assert!(
                 moves > 0.25 * tolerance,
                 "seed {seed}, {:?}: off by {error:e}, {:#?}",
@@ -100,7 +91,7 @@ fn uniform_scalings_commute_with_the_deformation() {
 fn outside_the_radius_nothing_moves() {
     let mut random = Random::new(3);
     for seed in 0..60 {
-        let wire = Rig::new(seed).wires.swap_remove(0);
+        let wire = Rig::plain(seed).wires.swap_remove(0);
         let wire = Wire { locators: Vec::new(), ..wire };
         let r = f64::from(wire.radius);
         let points: Vec<[f32; 3]> = (0..200)
@@ -122,14 +113,15 @@ fn outside_the_radius_nothing_moves() {
 fn points_on_the_reference_track_the_wire() {
     let (mut left_out, mut all) = (0, 0);
     for seed in 0..100 {
-        let wire = Rig::new(seed).wires.swap_remove(0);
+        let wire = Rig::plain(seed).wires.swap_remove(0);
         let wire =
             Wire { locators: Vec::new(), amplitude: 1.0, correspondence: Correspondence::Parameter, ..wire };
         let pose = wire.reference.posed(wire.pose.clone()).unwrap();
         let on: Vec<DVec3> =
             (0..50).map(|i| DVec3::from_array(point(&wire.reference, f64::from(i) / 49.0))).collect();
         let points: Vec<[f32; 3]> = on.iter().map(|p| p.as_vec3().to_array()).collect();
-        let rig = Rig { wires: vec![wire.clone()], blend: Blend::default(), points: points.clone() };
+        let (wires, blend) = (vec![wire.clone()], Blend::default());
+        let rig = Rig { wires, blend, points: points.clone(), masks: vec![None] };
         let diagonal = rig.diagonal();
         let doubt = OnceCell::new();
         for (&p, &q) in points.iter().zip(&deform(&rig.wires, &rig.blend, &points)) {
@@ -207,7 +199,7 @@ fn a_wire_cut_in_two_in_one_group_deforms_as_one() {
 #[test]
 fn two_equal_wires_act_as_one() {
     for seed in 0..60 {
-        let mut rig = Rig::new(seed);
+        let mut rig = Rig::plain(seed);
         rig.wires.truncate(1);
         rig.blend.crossing = 0.0;
         let once = deform(&rig.wires, &rig.blend, &rig.points);

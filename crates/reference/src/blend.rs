@@ -39,30 +39,31 @@ impl Scene {
 
     /// Where one point goes.
     pub fn deform(&self, point: [f32; 3]) -> [f64; 3] {
-        self.deform_wide(wide(point)).to_array()
+        self.deform_masked(point, &[])
+    }
+
+    /// The same where `masks[i]` multiplies `F` of wire `i`; wires beyond their end have 1.
+    pub fn deform_masked(&self, point: [f32; 3], masks: &[f32]) -> [f64; 3] {
+        self.deform_but(wide(point), masks, 0.0).to_array()
     }
 
     /// `F` and `ΔP` of each wire at a point, groups considered: a wire that is not the nearest of its group has 0.
-    pub fn contributions(&self, point: [f32; 3]) -> Vec<(f64, [f64; 3])> {
-        let all = self.acting(wide(point));
+    pub fn contributions(&self, point: [f32; 3], masks: &[f32]) -> Vec<(f64, [f64; 3])> {
+        let all = self.acting(wide(point), masks);
         all.into_iter().map(|(f, delta)| (f, delta.to_array())).collect()
     }
 
-    /// The foot of a point on each wire's `R`.
+    /// The closest point to a point on each wire's `R`.
     pub fn feet(&self, point: [f32; 3]) -> Vec<Foot> {
         self.wires.iter().map(|wire| wire.feet.closest(wide(point))).collect()
     }
 
-    pub(crate) fn deform_wide(&self, p: DVec3) -> DVec3 {
-        self.deform_but(p, 0.0)
-    }
-
     /// Takes displacements up to `floor` for none.
-    pub(crate) fn deform_but(&self, p: DVec3, floor: f64) -> DVec3 {
+    pub(crate) fn deform_but(&self, p: DVec3, masks: &[f32], floor: f64) -> DVec3 {
         if !p.is_finite() {
             return p;
         }
-        let acting = self.acting(p);
+        let acting = self.acting(p, masks);
         let moved: Vec<(usize, DVec3)> =
             acting.iter().map(|a| a.1).enumerate().filter(|(_, delta)| delta.length() > floor).collect();
         if moved.is_empty() {
@@ -81,22 +82,20 @@ impl Scene {
 
     /// `F` and `ΔP` of each wire. Of a group only the wire whose `R` is nearest acts, whatever its radius; of those
     /// that are equally near (to [`GROUP_TIE`]) the first.
-    fn acting(&self, p: DVec3) -> Vec<(f64, DVec3)> {
-        let feet: Vec<Foot> = self.wires.iter().map(|wire| wire.feet.closest(p)).collect();
-        let distance = |i: &usize| feet[*i].distance;
+    fn acting(&self, p: DVec3, masks: &[f32]) -> Vec<(f64, DVec3)> {
+        let distance = |wire: &Prepared| wire.wire.group.map(|_| wire.feet.closest(p).distance);
+        let distances: Vec<Option<f64>> = self.wires.iter().map(distance).collect();
         let acts = |i: usize| {
             let Some(group) = self.wires[i].wire.group else { return true };
-            let members = (0..feet.len()).filter(|&j| self.wires[j].wire.group == Some(group));
-            let members: Vec<usize> = members.collect();
-            let least = members.iter().map(distance).fold(f64::INFINITY, f64::min);
-            let extent = members.iter().map(|&j| self.wires[j].feet.extent(p)).fold(0.0, f64::max);
-            members.into_iter().find(|j| distance(j) <= least + GROUP_TIE * extent) == Some(i)
+            let members = (0..self.wires.len()).filter(|&j| self.wires[j].wire.group == Some(group));
+            let members: Vec<(usize, f64)> = members.filter_map(|j| Some((j, distances[j]?))).collect();
+            let least = members.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
+            let extent = members.iter().map(|m| self.wires[m.0].feet.extent(p)).fold(0.0, f64::max);
+            members.into_iter().find(|m| m.1 <= least + GROUP_TIE * extent).map(|m| m.0) == Some(i)
         };
-        let one = |(i, foot): (usize, &Foot)| {
-            let wire = &self.wires[i];
-            if acts(i) { (wire.influence(foot), wire.displacement(p, foot)) } else { (0.0, DVec3::ZERO) }
-        };
-        feet.iter().enumerate().map(one).collect()
+        let mask = |i: usize| masks.get(i).map_or(1.0, |&mask| f64::from(mask));
+        let one = |i: usize| if acts(i) { self.wires[i].act(p, mask(i)) } else { (0.0, DVec3::ZERO) };
+        (0..self.wires.len()).map(one).collect()
     }
 }
 

@@ -73,7 +73,7 @@ const JOINT: f64 = 1e-12;
 /// A curve sampled once for many points.
 #[derive(Clone, Debug)]
 pub(crate) struct Samples {
-    curve: Curve,
+    pub(crate) curve: Curve,
     /// Of each segment, point and derivative at the `CELLS + 1` edges of its cells.
     edges: Vec<Vec<(DVec3, DVec3)>>,
     /// The largest absolute coordinate of the control points.
@@ -106,8 +106,7 @@ impl Samples {
             let distance = f64::INFINITY;
             return Foot { u: 0.0, distance, point, ambiguous: false, sharpness: 1.0, place: start };
         }
-        let mut minima = self.minima(p);
-        minima.sort_by(|a, b| a.0.u(curve).total_cmp(&b.0.u(curve)));
+        let minima = self.minima(p);
         let least = minima.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
         let extent = self.extent(p);
         let first = minima.iter().find(|m| m.1 <= least + TIE * extent);
@@ -118,42 +117,67 @@ impl Samples {
             let away = if curve.closed() { away.min(1.0 - away) } else { away };
             away * n > APART
         };
+        let ambiguous = minima.iter().any(|m| m.1 <= least + CLOSE * extent && apart(m.0));
+        Foot { ambiguous, ..self.foot(p, place, distance) }
+    }
+
+    /// The foot at a place, taken for the only one.
+    pub(crate) fn foot(&self, p: DVec3, place: Place, distance: f64) -> Foot {
         Foot {
-            u: place.u(curve),
+            u: place.u(&self.curve),
             distance,
-            point: at(curve, place).to_array(),
-            ambiguous: minima.iter().any(|m| m.1 <= least + CLOSE * extent && apart(m.0)),
+            point: at(&self.curve, place).to_array(),
+            ambiguous: false,
             sharpness: self.sharpness(p, place),
             place,
         }
     }
 
-    /// Every local minimum of the distance: place and distance.
-    fn minima(&self, p: DVec3) -> Vec<(Place, f64)> {
-        let mut minima = Vec::new();
-        for (segment, edges) in self.edges.iter().enumerate() {
-            let rise: Vec<f64> = edges.iter().map(|&(c, slope)| (c - p).dot(slope)).collect();
-            for cell in 0..CELLS {
-                // A zero at the segment's very end is the joint's business.
-                let at_end = cell + 1 == CELLS && rise[CELLS] == 0.0;
-                if rise[cell] < 0.0 && rise[cell + 1] >= 0.0 && !at_end {
-                    minima.push(self.bisect(p, segment, cell));
-                }
-            }
+    /// Every local minimum of the distance by rising `u`: place and distance.
+    pub(crate) fn minima(&self, p: DVec3) -> Vec<(Place, f64)> {
+        let mut minima = self.turns(p, 1.0);
+        for segment in 0..self.edges.len() {
             minima.extend(self.joint(p, Place { segment, t: 0.0 }));
         }
         if !self.curve.closed() {
             minima.extend(self.joint(p, Place { segment: self.edges.len() - 1, t: 1.0 }));
         }
+        minima.sort_by(|a, b| a.0.u(&self.curve).total_cmp(&b.0.u(&self.curve)));
         minima
     }
 
-    fn bisect(&self, p: DVec3, segment: usize, cell: usize) -> (Place, f64) {
+    /// Every place where the distance may be greatest on a stretch of the curve, but for the stretch's ends: local
+    /// maxima, and all joints.
+    pub(crate) fn ridges(&self, p: DVec3) -> Vec<(Place, f64)> {
+        let joints = (0..self.edges.len()).map(|segment| {
+            let place = Place { segment, t: 0.0 };
+            (place, at(&self.curve, place).distance(p))
+        });
+        self.turns(p, -1.0).into_iter().chain(joints).collect()
+    }
+
+    /// Where within a segment the distance, times `sign`, turns from falling to rising.
+    fn turns(&self, p: DVec3, sign: f64) -> Vec<(Place, f64)> {
+        let mut turns = Vec::new();
+        for (segment, edges) in self.edges.iter().enumerate() {
+            let rise: Vec<f64> = edges.iter().map(|&(c, slope)| sign * (c - p).dot(slope)).collect();
+            for cell in 0..CELLS {
+                // A zero at the segment's very end is the joint's business.
+                let at_end = cell + 1 == CELLS && rise[CELLS] == 0.0;
+                if rise[cell] < 0.0 && rise[cell + 1] >= 0.0 && !at_end {
+                    turns.push(self.bisect(p, segment, cell, sign));
+                }
+            }
+        }
+        turns
+    }
+
+    fn bisect(&self, p: DVec3, segment: usize, cell: usize, sign: f64) -> (Place, f64) {
         let (mut low, mut high) = (edge(cell), edge(cell + 1));
         for _ in 0..HALVINGS {
             let t = 0.5 * (low + high);
             let place = Place { segment, t };
-            let falls = (at(&self.curve, place) - p).dot(slope(&self.curve, place)) < 0.0;
+            let falls = sign * (at(&self.curve, place) - p).dot(slope(&self.curve, place)) < 0.0;
             *(if falls { &mut low } else { &mut high }) = t;
         }
         let t = if high > 1.0 - JOINT {

@@ -9,13 +9,15 @@
 //! | `curve.rs` | §2 | `C(u)`, `C′(u)`, corners |
 //! | `length.rs` | §2 | arc length and the correspondence by arc length |
 //! | `foot.rs` | §2 | `p_R`, the closest point |
+//! | `feet.rs` | §6 | several feet of one point, `closest: Blended` |
 //! | `locators.rs` | §3.1 | attributes along the wire |
+//! | `bounds.rs` | §3.1, §3.2 | directional dropoff, domain curves |
 //! | `rotation.rs` | §2 | the least rotation, `bend: Tangent` |
 //! | `transport.rs` | – | `bend: Transport` |
 //! | `wire.rs` | §2 | one wire on one point |
 //! | `blend.rs` | §4 | many wires on one point |
 //! | `doubt.rs` | – | how well the answer is defined at a point |
-//! | `rigs.rs`, `random.rs` | – | random rigs to compare on |
+//! | `rigs.rs`, `features.rs`, `random.rs` | – | random rigs to compare on |
 //!
 //! \[SF98\] is K. Singh, E. Fiume, "Wires: A Geometric Deformation Technique", SIGGRAPH 1998.
 //!
@@ -28,11 +30,17 @@
 //! - `R′` and `W′` antiparallel: half a turn about `R′ × e`, `e` the coordinate axis least aligned with `R′`, the
 //!   first such axis on ties.
 //! - By arc length with a curve of length zero: `p′ = p`.
+//! - A domain curve that passes through the foot, or a point on `R`: no angle, the wire's own radius.
+//! - A direction along `R′`, or a point on `R` or beyond an end in line with it: no dropoff. A zero `R′`: `φ` is the
+//!   angle in space.
 //! - A span of `W` equal to that of `R` gives `ΔP = 0` exactly, at `s = 1` and twist 0.
 
 mod blend;
+mod bounds;
 mod curve;
 mod doubt;
+mod features;
+mod feet;
 mod foot;
 mod length;
 mod locators;
@@ -45,6 +53,7 @@ mod wire;
 pub use blend::{Scene, deform};
 pub use curve::{derivative, point, segment_count, tangent};
 pub use doubt::{Doubt, unsteadiness};
+pub use feet::feet;
 pub use foot::{Foot, TIE, closest};
 pub use length::{at_length, length};
 pub use random::Random;

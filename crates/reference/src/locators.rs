@@ -1,5 +1,6 @@
 //! \[SF98\] §3.1: attributes of a wire where its locators put them.
 
+use glam::DVec3;
 use wirework_core::{Interpolation, Locator, Wire};
 
 /// What a wire does at one place along it.
@@ -10,6 +11,9 @@ pub(crate) struct Attributes {
     pub(crate) rotation: f64,
     pub(crate) amplitude: f64,
     pub(crate) twist: f64,
+    /// Of any length; interpolated ones may vanish.
+    pub(crate) direction: Option<DVec3>,
+    pub(crate) angle: f64,
 }
 
 impl Attributes {
@@ -21,8 +25,21 @@ impl Attributes {
             rotation: value(wire.rotation, |l| l.rotation),
             amplitude: value(wire.amplitude, |l| l.amplitude),
             twist: value(wire.twist, |l| l.twist),
+            direction: direction(wire, u),
+            angle: value(wire.angle, |l| l.angle),
         }
     }
+}
+
+/// None where neither the wire nor any locator has one.
+fn direction(wire: &Wire, u: f64) -> Option<DVec3> {
+    let own = wire.locators.iter().find_map(|l| l.direction).or(wire.direction)?;
+    let [x, y, z] = wire.direction.unwrap_or(own);
+    Some(DVec3::new(
+        attribute(wire, u, x, |l| l.direction.map(|d| d[0])),
+        attribute(wire, u, y, |l| l.direction.map(|d| d[1])),
+        attribute(wire, u, z, |l| l.direction.map(|d| d[2])),
+    ))
 }
 
 /// Between the two bracketing locators that carry it, constant beyond the ends (round a closed curve there are

@@ -1,11 +1,13 @@
 //! Random rigs for tests and benchmarks, biased to trouble: points on the wires, at exactly `r` and beyond the
-//! ends, symmetric and folded curves, coincident control points, wires that only partly move, mixed exponents.
+//! ends, symmetric and folded curves, coincident control points, wires that only partly move, mixed exponents. What bounds
+//! a wire's influence is added by `features.rs`.
 
+use crate::features;
 use crate::random::Random;
 use crate::{closest, point};
 use glam::{DQuat, DVec3};
 use wirework_core::{
-    Bend, Blend, Correspondence, Curve, CurveKind, Density, Interpolation, Locator, Profile, Wire,
+    Bend, Blend, Closest, Correspondence, Curve, CurveKind, Density, Interpolation, Locator, Profile, Wire,
 };
 
 /// Wires, their blend, and points to deform.
@@ -17,11 +19,24 @@ pub struct Rig {
     pub blend: Blend,
     /// In mesh order: a grid, then points in trouble.
     pub points: Vec<[f32; 3]>,
+    /// For every wire none, or a factor from 0 to 1 for each point.
+    pub masks: Vec<Option<Vec<f32>>>,
 }
 
 impl Rig {
     /// The rig of a seed. Its size is a power of ten from 1e-3 to 1e3, its centre up to twice that off the origin.
     pub fn new(seed: u64) -> Self {
+        let (mut rig, frame) = Self::of_seed(seed);
+        features::add(&mut rig, &frame, &mut Random::new(!seed));
+        rig
+    }
+
+    /// The same without directions, domain curves, blended feet and masks.
+    pub fn plain(seed: u64) -> Self {
+        Self::of_seed(seed).0
+    }
+
+    fn of_seed(seed: u64) -> (Self, Frame) {
         let mut random = Random::new(seed);
         let frame = Frame {
             size: 10_f64.powf(random.range(-3.0, 3.0)),
@@ -36,7 +51,67 @@ impl Rig {
             locality: random.pick(&[1.0, 0.0, 2.5]),
         };
         let points = points(&mut random, &frame, &wires);
-        Self { wires, blend, points }
+        let masks = vec![None; wires.len()];
+        (Self { wires, blend, points, masks }, frame)
+    }
+
+    /// The masks as a binding takes them.
+    pub fn masks(&self) -> Vec<Option<&[f32]>> {
+        self.masks.iter().map(Option::as_deref).collect()
+    }
+
+    /// The factor of every wire at one point.
+    pub fn masks_at(&self, index: usize) -> Vec<f32> {
+        self.masks.iter().map(|mask| mask.as_ref().map_or(1.0, |mask| mask[index])).collect()
+    }
+
+    /// Adds points, each with the factor 1.
+    pub fn add(&mut self, points: impl IntoIterator<Item = [f32; 3]>) {
+        self.points.extend(points);
+        for mask in self.masks.iter_mut().flatten() {
+            mask.resize(self.points.len(), 1.0);
+        }
+    }
+
+    /// Puts the points in another order, and the masks with them.
+    pub fn shuffle(&mut self, random: &mut Random) {
+        let mut order: Vec<usize> = (0..self.points.len()).collect();
+        random.shuffle(&mut order);
+        self.points = order.iter().map(|&i| self.points[i]).collect();
+        for mask in self.masks.iter_mut().flatten() {
+            *mask = order.iter().map(|&i| mask[i]).collect();
+        }
+    }
+
+    /// A map applied to all that has a place, its linear part to all that has a direction, a factor to all that has a length.
+    ///
+    /// # Panics
+    /// When the map leaves the range of float32.
+    #[must_use]
+    pub fn mapped(&self, map: impl Fn(DVec3) -> DVec3, factor: f32) -> Self {
+        let mut rig = self.clone();
+        let apply = |points: &[[f32; 3]]| -> Vec<[f32; 3]> {
+            points.iter().map(|&p| map(crate::wide(p)).as_vec3().to_array()).collect()
+        };
+        rig.points = apply(&self.points);
+        for wire in &mut rig.wires {
+            let moved = |curve: &Curve| curve.posed(apply(curve.points())).expect("as many points");
+            wire.reference = moved(&wire.reference);
+            wire.pose = apply(&wire.pose);
+            for domain in &mut wire.domains {
+                domain.curve = moved(&domain.curve);
+            }
+            let radii = wire.locators.iter_mut().filter_map(|l| l.radius.as_mut());
+            radii.chain([&mut wire.radius]).for_each(|r| *r *= factor);
+            if let Closest::Blended(width) = &mut wire.closest {
+                *width *= factor;
+            }
+            let axes = wire.locators.iter_mut().filter_map(|l| l.direction.as_mut());
+            for axis in axes.chain(&mut wire.direction) {
+                *axis = (map(crate::wide(*axis)) - map(DVec3::ZERO)).as_vec3().to_array();
+            }
+        }
+        rig
     }
 
     /// The same wires at rest: nothing moves.
@@ -53,9 +128,12 @@ impl Rig {
         rig
     }
 
-    /// The diagonal of the box about the points and all control points, at rest and posed.
+    /// The diagonal of the box about the points and all control points, at rest and posed, and of domain curves.
     pub fn diagonal(&self) -> f64 {
-        let of_wire = |wire: &Wire| [wire.reference.points().to_vec(), wire.pose.clone()].concat();
+        let of_wire = |wire: &Wire| {
+            let domains = wire.domains.iter().flat_map(|domain| domain.curve.points().to_vec());
+            [wire.reference.points().to_vec(), wire.pose.clone(), domains.collect()].concat()
+        };
         let curves: Vec<[f32; 3]> = self.wires.iter().flat_map(of_wire).collect();
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &p in self.points.iter().chain(&curves) {
@@ -66,18 +144,18 @@ impl Rig {
 }
 
 /// Where random positions lie.
-struct Frame {
-    size: f64,
+pub(crate) struct Frame {
+    pub(crate) size: f64,
     center: DVec3,
 }
 
 impl Frame {
-    fn place(&self, p: DVec3) -> [f32; 3] {
+    pub(crate) fn place(&self, p: DVec3) -> [f32; 3] {
         (self.size * (self.center + p)).as_vec3().to_array()
     }
 }
 
-const KINDS: [CurveKind; 6] = [
+pub(crate) const KINDS: [CurveKind; 6] = [
     CurveKind::BSpline { degree: 3 },
     CurveKind::Polyline,
     CurveKind::BSpline { degree: 2 },
@@ -160,7 +238,7 @@ fn density(random: &mut Random) -> Density {
 }
 
 /// Control points; with `folds` also such that the curve stops, or goes back on itself.
-fn controls(random: &mut Random, kind: CurveKind, closed: bool, folds: bool) -> Vec<DVec3> {
+pub(crate) fn controls(random: &mut Random, kind: CurveKind, closed: bool, folds: bool) -> Vec<DVec3> {
     let count = match (kind, closed) {
         (CurveKind::Bezier, false) => 1 + 3 * random.pick(&[1, 1, 2, 3]),
         (CurveKind::Bezier, true) => 3 * random.pick(&[1, 2, 3]),
