@@ -37,10 +37,11 @@ fn main() {
     one.install(|| measure("1 wire, 1 thread, shuffled", &wires, &shuffled, copy, brute));
     let bounded = [bounded(moved(snake(0.0, 1.5)))];
     let brute = reference(&bounded, &grid);
-    one.install(|| {
-        measure("1 wire with locators, domain and twist, 1 thread, rows", &bounded, &grid, copy, brute)
-    });
-    one.install(|| measure("the same, shuffled", &bounded, &shuffled, copy, brute));
+    let name = "1 wire with locators, domain and twist, 1 thread, ";
+    one.install(|| measure(&format!("{name}rows"), &bounded, &grid, copy, brute));
+    one.install(|| compare(&wires, &bounded, &grid));
+    one.install(|| measure(&format!("{name}shuffled"), &bounded, &shuffled, copy, brute));
+    one.install(|| compare(&wires, &bounded, &shuffled));
     let small = [moved(snake(0.0, 0.1))];
     let brute = reference(&small, &grid);
     one.install(|| measure("1 wire of small radius, 1 thread, rows", &small, &grid, copy, brute));
@@ -151,6 +152,30 @@ fn measure(name: &str, wires: &[Wire], points: &[[f32; 3]], copy: f64, (brute_bi
         deform / pairs * 1e9,
         brute * count / (bind + deform)
     );
+}
+
+/// Prints the time of wires in parts of that of plain ones, in rounds by turns: the machine is the same for both.
+fn compare(plain: &[Wire], wires: &[Wire], points: &[[f32; 3]]) {
+    let mut out = vec![[0.0; 3]; points.len()];
+    let mut times: [Vec<f64>; 4] = Default::default();
+    for _ in 0..ROUNDS {
+        for (i, wires) in [plain, wires].into_iter().enumerate() {
+            let start = Instant::now();
+            let mut binding = Binding::new(wires, points).expect("wires in range");
+            times[i].push(start.elapsed().as_secs_f64());
+            let mut deform =
+                || binding.deform_into(wires, &Blend::default(), &mut out).expect("the bound wires");
+            deform();
+            let start = Instant::now();
+            deform();
+            times[2 + i].push(start.elapsed().as_secs_f64());
+        }
+    }
+    let [a, b, c, d] = times.map(|mut times| {
+        let mut next = times.drain(..);
+        median(|| next.next().unwrap_or_default())
+    });
+    println!("  beside the plain wire: bind {:.2}, deform {:.2}", b / a, d / c);
 }
 
 fn median(mut round: impl FnMut() -> f64) -> f64 {

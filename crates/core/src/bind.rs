@@ -330,9 +330,13 @@ impl BoundWire {
     fn bound<'a>(&'a self, masks: &'a [Vec<f32>]) -> Bound<'a> {
         Bound {
             wire: &self.wire,
-            spans: &self.spans,
             cells: &self.cells,
-            sought: Sought { pieces: &self.pieces, domains: &self.domains, reach: f64::from(self.reach) },
+            sought: Sought {
+                spans: &self.spans,
+                pieces: &self.pieces,
+                domains: &self.domains,
+                reach: f64::from(self.reach),
+            },
             mask: self.mask.and_then(|mask| masks.get(mask)).map(Vec::as_slice),
         }
     }

@@ -4,17 +4,14 @@
 //! streams through indices, places and influences. A point with several feet ([`Closest::Blended`](crate::Closest)) stands in several
 //! runs, or several times in one, each time with a weight.
 
-use pulp::Simd;
 use rayon::prelude::*;
 
 use crate::Wire;
-use crate::block::BLOCK;
 use crate::cells::Cells;
-use crate::domain::{DomainCurve, Footed, Side};
+use crate::domain::Side;
 use crate::influence::{FADES, Measure};
 use crate::kernel::RunPoints;
-use crate::search::{Found, NO_FOOT, Sought, StoredFoot};
-use crate::spans::Spans;
+use crate::search::{Found, Sought};
 use crate::tiles::{Balls, TILE, Tile, Tiles};
 
 /// Consecutive bound points of one tile and cell.
@@ -56,7 +53,6 @@ pub(crate) struct Runs(Vec<TileRuns>);
 #[derive(Clone, Copy)]
 pub(crate) struct Bound<'a> {
     pub(crate) wire: &'a Wire,
-    pub(crate) spans: &'a Spans,
     pub(crate) cells: &'a Cells,
     pub(crate) sought: Sought<'a>,
     /// What multiplies `F`, a number a point.
@@ -102,30 +98,23 @@ impl Runs {
     /// Finds the feet of all points and sorts them into runs, a tile at a time.
     pub(crate) fn bind(bound: Bound<'_>, tiles: &Tiles) -> Self {
         if tiles.order().is_some() {
-            let found = bound.sought.everywhere(tiles);
-            return Self::new(bound, tiles, &found, &|_| true);
+            return Self::new(bound, tiles, &bound.sought.everywhere(tiles), &|_| true);
         }
         let all = bound.sought.pieces.all();
         let part = |(i, (tile, balls)): (usize, (&Tile, &Balls))| {
-            let mut feet = [NO_FOOT; TILE];
-            let feet = &mut feet[..(tiles.count - i * TILE).min(TILE)];
-            let more = bound.sought.tile(tile, balls, &all, feet);
-            bound.sort(tile, i, TileFeet { closest: feet, more: &more }, &|_| true)
+            let found = bound.sought.tile(tile, balls, &all, (tiles.count - i * TILE).min(TILE));
+            bound.sort(tile, i * TILE, &found, &|_| true)
         };
         Self(tiles.searched().par_iter().zip(&tiles.balls).enumerate().map(part).collect())
     }
 
-    /// Sorts the feet that `acts` admits into runs.
+    /// Sorts the feet of the points that `acts` admits into runs.
     pub(crate) fn new(bound: Bound<'_>, tiles: &Tiles, found: &Found, acts: Acts) -> Self {
-        let part = |(i, (tile, closest)): (usize, (&Tile, &[StoredFoot]))| {
-            let first = (i * TILE) as u32;
-            let from = found.more.partition_point(|(point, _)| *point < first);
-            let to = found.more.partition_point(|(point, _)| *point < first + TILE as u32);
-            let more: Vec<(u32, StoredFoot)> =
-                found.more[from..to].iter().map(|(point, foot)| (point - first, *foot)).collect();
-            bound.sort(tile, i, TileFeet { closest, more: &more }, acts)
+        let part = |(i, tile): (usize, &Tile)| {
+            let first = i * TILE;
+            bound.sort(tile, first, &found.part(first, (first + TILE).min(tiles.count)), acts)
         };
-        Self(tiles.list.par_iter().zip(found.feet.par_chunks(TILE)).enumerate().map(part).collect())
+        Self(tiles.list.par_iter().enumerate().map(part).collect())
     }
 
     /// Computes `F` anew: after a change of radii, the density, directions or what domain curves do.
@@ -139,161 +128,76 @@ impl Runs {
     }
 }
 
-/// Feet of one tile: the closest of each point, and further ones.
-#[derive(Clone, Copy)]
-struct TileFeet<'a> {
-    closest: &'a [StoredFoot],
-    more: &'a [(u32, StoredFoot)],
-}
-
-impl TileFeet<'_> {
-    /// Index of the point, and the foot.
-    #[inline]
-    fn at(self, slot: u32) -> (usize, StoredFoot) {
-        let slot = slot as usize;
-        match self.closest.get(slot) {
-            Some(foot) => (slot, *foot),
-            None => {
-                let (point, foot) = self.more[slot - self.closest.len()];
-                (point as usize, foot)
-            }
-        }
-    }
-}
-
 impl Bound<'_> {
-    /// The runs of the `number`-th tile from the feet of its points.
-    fn sort(self, tile: &Tile, number: usize, feet: TileFeet<'_>, acts: Acts) -> TileRuns {
-        let first = number * TILE;
+    /// The runs of a tile whose first point is number `first`, from the feet of its points.
+    fn sort(self, tile: &Tile, first: usize, found: &Found, acts: Acts) -> TileRuns {
         let mask = self.mask.map(|mask| &mask[first..]);
-        let admits = |&slot: &u32| {
-            let (point, foot) = feet.at(slot);
-            let reaches = foot.distance < self.sought.reach
-                || (foot.distance.is_finite() && !self.sought.domains.is_empty());
-            reaches && mask.is_none_or(|mask| mask[point] > 0.0) && acts(first + point)
+        let closest = found.feet.len();
+        // Slots: the closest feet, then the further ones.
+        let at = |slot: u32| match found.feet.get(slot as usize) {
+            Some(foot) => (slot as usize, *foot),
+            None => (found.more[slot as usize - closest].0 as usize, found.more[slot as usize - closest].1),
         };
-        let slots = (0..(feet.closest.len() + feet.more.len()) as u32).filter(admits);
-        let (mut runs, mut slots) = self.by_cell(slots, feet);
-        if slots.is_empty() {
-            return runs;
+        let cell = |slot: u32| {
+            let (point, foot) = at(slot);
+            let acts =
+                foot.distance.is_finite() && mask.is_none_or(|mask| mask[point] > 0.0) && acts(first + point);
+            acts.then(|| (self.cells.find(foot.span, foot.t), slot))
+        };
+        let bound: Vec<(u32, u32)> = (0..(closest + found.more.len()) as u32).filter_map(cell).collect();
+        if bound.is_empty() {
+            return TileRuns::default();
         }
-        if !self.sought.domains.is_empty() {
-            let task = Stand { bound: self, tile, feet, slots: &slots, list: &runs.list };
-            runs.sides = pulp::Arch::new().dispatch(task);
-            self.drop_unreached(&mut runs, &mut slots, feet);
-        }
+        let (list, slots) = by_cell(self.cells.list.len(), &bound);
         let count = slots.len();
-        runs.index.reserve_exact(count);
-        runs.t.reserve_exact(count);
-        runs.distance.reserve_exact(count);
-        for &slot in &slots {
-            let (point, foot) = feet.at(slot);
-            runs.index.push(point as u16);
-            runs.t.push(foot.t);
-            runs.distance.push(foot.distance);
-        }
-        if !feet.more.is_empty() {
-            runs.weight = slots.iter().map(|&slot| feet.at(slot).1.weight).collect();
+        let mut runs = TileRuns {
+            list,
+            index: slots.iter().map(|&slot| at(slot).0 as u16).collect(),
+            t: slots.iter().map(|&slot| at(slot).1.t).collect(),
+            distance: slots.iter().map(|&slot| at(slot).1.distance).collect(),
+            ..TileRuns::default()
+        };
+        if !found.more.is_empty() {
+            runs.weight = slots.iter().map(|&slot| at(slot).1.weight).collect();
         }
         if let Some(mask) = mask {
-            runs.mask = slots.iter().map(|&slot| mask[feet.at(slot).0]).collect();
+            runs.mask = slots.iter().map(|&slot| mask[at(slot).0]).collect();
+        }
+        for (sides, more) in found.sides.iter().zip(&found.more_sides) {
+            let side = |&slot: &u32| {
+                sides.get(slot as usize).copied().unwrap_or_else(|| more[slot as usize - closest])
+            };
+            runs.sides.push(slots.iter().map(side).collect());
         }
         for (bounds, fade) in FADES.into_iter().zip(&mut runs.fades) {
             if self.wire.domains.iter().any(|domain| domain.bounds == bounds) {
                 fade.resize(count, 1.0);
             }
         }
-        Measure { wire: self.wire, spans: self.spans, cells: self.cells }.tile(tile, &mut runs);
+        Measure { wire: self.wire, spans: self.sought.spans, cells: self.cells }.tile(tile, &mut runs);
         runs
     }
-
-    /// Counting sort of feet by cell; within a cell they keep their order.
-    fn by_cell(self, slots: impl Iterator<Item = u32>, feet: TileFeet<'_>) -> (TileRuns, Vec<u32>) {
-        let cell = |slot: u32| {
-            let (_, foot) = feet.at(slot);
-            (self.cells.find(foot.span, foot.t), slot)
-        };
-        let bound: Vec<(u32, u32)> = slots.map(cell).collect();
-        let mut starts = vec![0; self.cells.list.len() + 1];
-        for &(cell, _) in &bound {
-            starts[cell as usize + 1] += 1;
-        }
-        let mut runs = TileRuns::default();
-        for cell in 0..self.cells.list.len() {
-            let (start, end) = (starts[cell], starts[cell] + starts[cell + 1]);
-            if start < end {
-                runs.list.push(Run { cell: cell as u32, start, end });
-            }
-            starts[cell + 1] = end;
-        }
-        let mut sorted = vec![0; bound.len()];
-        for &(cell, slot) in &bound {
-            let next = &mut starts[cell as usize];
-            sorted[*next as usize] = slot;
-            *next += 1;
-        }
-        (runs, sorted)
-    }
-
-    /// Drops the feet that neither the wire's radius nor a domain curve can reach.
-    fn drop_unreached(self, runs: &mut TileRuns, slots: &mut Vec<u32>, feet: TileFeet<'_>) {
-        let reach: Vec<bool> = (0..slots.len())
-            .map(|i| {
-                let extends = |(side, domain): (&Vec<Side>, &DomainCurve)| domain.reaches(side[i]);
-                let far =
-                    runs.sides.iter().zip(self.sought.domains).map(extends).fold(self.sought.reach, f64::max);
-                feet.at(slots[i]).1.distance < far
-            })
-            .collect();
-        let mut kept = 0;
-        for run in &mut runs.list {
-            let inside = &reach[run.start as usize..run.end as usize];
-            run.start = kept;
-            kept += inside.iter().filter(|reaches| **reaches).count() as u32;
-            run.end = kept;
-        }
-        runs.list.retain(|run| run.start < run.end);
-        let mut flags = reach.iter();
-        slots.retain(|_| flags.next() == Some(&true));
-        for side in &mut runs.sides {
-            let mut flags = reach.iter();
-            side.retain(|_| flags.next() == Some(&true));
-        }
-    }
 }
 
-/// How the points of a tile stand to the domain curves; compiled for the vector instructions the processor has.
-struct Stand<'a> {
-    bound: Bound<'a>,
-    tile: &'a Tile,
-    feet: TileFeet<'a>,
-    slots: &'a [u32],
-    list: &'a [Run],
-}
-
-impl pulp::WithSimd for Stand<'_> {
-    type Output = Vec<Vec<Side>>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Bound { spans, cells, sought, .. } = self.bound;
-        let mut sides: Vec<Vec<Side>> = vec![Vec::with_capacity(self.slots.len()); sought.domains.len()];
-        let (mut near, mut points) = (Vec::new(), Vec::with_capacity(BLOCK));
-        for run in self.list {
-            let cell = cells.list[run.cell as usize];
-            // Feet in one cell lie together, and so do their points.
-            for slots in self.slots[run.start as usize..run.end as usize].chunks(BLOCK) {
-                points.clear();
-                for &slot in slots {
-                    let (point, foot) = self.feet.at(slot);
-                    let (span, t) = cell.place(f64::from(foot.t), spans.cubics.len());
-                    points.push(Footed { point: self.tile.position(point), foot: spans.cubics[span].at(t) });
-                }
-                for (domain, out) in sought.domains.iter().zip(&mut sides) {
-                    domain.stand(simd, &points, &mut near, out);
-                }
-            }
-        }
-        sides
+/// Counting sort of slots by cell; within a cell they keep their order.
+fn by_cell(cells: usize, bound: &[(u32, u32)]) -> (Vec<Run>, Vec<u32>) {
+    let mut starts = vec![0; cells + 1];
+    for &(cell, _) in bound {
+        starts[cell as usize + 1] += 1;
     }
+    let mut runs = Vec::new();
+    for cell in 0..cells {
+        let (start, end) = (starts[cell], starts[cell] + starts[cell + 1]);
+        if start < end {
+            runs.push(Run { cell: cell as u32, start, end });
+        }
+        starts[cell + 1] = end;
+    }
+    let mut slots = vec![0; bound.len()];
+    for &(cell, slot) in bound {
+        let next = &mut starts[cell as usize];
+        slots[*next as usize] = slot;
+        *next += 1;
+    }
+    (runs, slots)
 }

@@ -30,7 +30,8 @@ fn deform(rig: &Rig) -> Vec<[f32; 3]> {
 
 /// The rig of a seed, every other one without what bounds the influence.
 fn rig(seed: u64) -> Rig {
-    if seed / 2 % 2 == 0 { Rig::plain(seed / 4 * 2 + seed % 2) } else { Rig::new(seed / 4 * 2 + seed % 2) }
+    let (plain, seed) = (seed & 2 == 0, seed / 4 * 2 + seed % 2);
+    if plain { Rig::plain(seed) } else { Rig::new(seed) }
 }
 
 fn bits(points: &[[f32; 3]]) -> Vec<[u32; 3]> {

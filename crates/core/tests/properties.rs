@@ -70,8 +70,8 @@ fn rigid_motions_commute_with_the_deformation() {
         left_out += commutes(seed, &rig, |p| turn * p + shift, 1.0, 2e-5);
         all += rig.points.len();
     }
-    // Many of the points lie at exactly r.
-    few(left_out, all, 6);
+    // Many of the points lie at exactly r, or where a domain curve begins to count.
+    few(left_out, all, 9);
 }
 
 #[test]
