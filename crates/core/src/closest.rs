@@ -88,22 +88,29 @@ impl Pieces {
                 list.push(Piece::new(span, t0, t1 - t0, cubic.part(t0, t1), origin));
             }
         }
+        // A curve that is a single point has no way round; it starts and ends there.
+        let closed = spans.closed && spans.moves();
         let rows: Vec<(f64, DVec3)> = list.iter().map(|p| (p.a[5], p.b[5])).collect();
         let count = list.len();
         for (i, piece) in list.iter_mut().enumerate() {
             piece.before = match i {
-                0 if !spans.closed => None,
+                0 if !closed => None,
                 0 => Some(rows[count - 1]),
                 _ => Some(rows[i - 1]),
             };
-            piece.last = i + 1 == count && !spans.closed;
-            piece.closes = i + 1 == count && spans.closed;
+            piece.last = i + 1 == count && !closed;
+        }
+        for piece in list.iter_mut().rev().take_while(|_| closed) {
+            piece.close();
+            if !piece.rests {
+                break;
+            }
         }
         let radius = list.iter().map(Piece::outermost).fold(0.0, f64::max);
         Self {
             list,
             origin,
-            closed: spans.closed,
+            closed,
             ball: Ball { center: origin, radius },
             reach: low.abs().max(high.abs()).max_element(),
             width,
@@ -273,6 +280,21 @@ mod tests {
             let start = curve.point(0.0);
             assert!(curve.closest(start.map(|c| c * 3.0)).unwrap().u < 1e-6, "{a}");
         }
+    }
+
+    #[test]
+    fn a_closed_curve_whose_first_point_is_written_again_starts_there() {
+        for kind in [CurveKind::Polyline, CurveKind::CatmullRom] {
+            let ring = vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-1.0, 0.0, 0.0]];
+            let foot = Curve::new(kind, true, ring).unwrap().closest([-3.0, -1.0, 0.0]).unwrap();
+            assert!(foot.u == 0.0 && foot.point == [-1.0, 0.0, 0.0], "{kind:?}: {foot:?}");
+        }
+    }
+
+    #[test]
+    fn a_closed_curve_that_is_a_point_has_feet() {
+        let point = Curve::new(CurveKind::Polyline, true, vec![[0.5, 0.5, 0.0]; 3]).unwrap();
+        assert_eq!(point.closest([0.5, 3.5, 4.0]).map(|foot| (foot.u, foot.distance)), Some((0.0, 5.0)));
     }
 
     #[test]

@@ -13,10 +13,14 @@ use crate::closest::{Candidate, Pieces};
 use crate::spans::Spans;
 use crate::tiles::Ball;
 
+/// A cosine no larger is that of a right angle: the feet are known no better. Without a transition the sign of a rounding would
+/// choose between two radii.
+const SQUARE: f64 = 1e-9;
+
 /// How a bound point stands to a domain curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Side {
-    /// `‖R(p) − D(p_D)‖`, 0 where the cosine is not positive.
+    /// `‖R(p) − D(p_D)‖`, 0 where the domain curve says nothing.
     pub(crate) distance: f64,
     /// `cosangle`.
     cosine: f64,
@@ -121,7 +125,7 @@ impl DomainCurve {
             let v = point - foot;
             let (distance, length) = (to_domain.length(), v.length());
             let cosine = to_domain.dot(v) / (distance * length);
-            if cosine > 0.0 {
+            if cosine > SQUARE {
                 out[start + lane as usize] = Side { distance, cosine };
             }
         }

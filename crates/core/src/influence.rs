@@ -23,7 +23,7 @@ use crate::{Bounded, Density, Wire};
 pub(crate) const FADES: [Bounded; 4] =
     [Bounded::Scale, Bounded::Rotation, Bounded::Amplitude, Bounded::Twist];
 
-/// A projection shorter than this part of the vector is rounding: the vector runs along the tangent.
+/// A projection shorter than this part of the vector, or of the coordinates, is rounding: the vector runs along the tangent.
 const ALONG: f64 = 1e-12;
 
 /// What the influence depends on.
@@ -53,12 +53,14 @@ impl Measure<'_> {
             for i in run.start as usize..run.end as usize {
                 let t = f64::from(runs.t[i]);
                 let (v, r) = (runs.distance[i], at(&radius, t - t0));
-                let mut f = bounded(wire, Bounded::Influence, v, r, &runs.sides, i);
+                let radial = bounded(wire, Bounded::Influence, v, r, &runs.sides, i);
+                let mut f = radial;
                 if let Some(direction) = direction.as_ref().filter(|_| f > 0.0) {
                     let (span, place) = cell.place(t, n);
-                    let from_r = tile.position(runs.index[i] as usize) - spans.cubics[span].at(place);
-                    let tangent = spans.tangent_in(span, place);
-                    f *= wire.density.at(direction.turn(t - t0, from_r, tangent));
+                    let point = tile.position(runs.index[i] as usize);
+                    let from_r = point - spans.cubics[span].at(place);
+                    let (tangent, extent) = (spans.tangent_in(span, place), point.abs().max_element());
+                    f *= wire.density.at(direction.turn(t - t0, from_r, tangent, extent));
                 }
                 if let Some(mask) = runs.mask.get(i) {
                     f *= f64::from(*mask);
@@ -66,7 +68,9 @@ impl Measure<'_> {
                 runs.influence[i] = f as f32;
                 for (bounds, fade) in FADES.into_iter().zip(&mut runs.fades) {
                     if let Some(fade) = fade.get_mut(i) {
-                        *fade = bounded(wire, bounds, v, r, &runs.sides, i) as f32;
+                        let own = bounded(wire, bounds, v, r, &runs.sides, i);
+                        // The attribute then acts by the lesser of the two.
+                        *fade = if own < radial { (own / radial) as f32 } else { 1.0 };
                     }
                 }
             }
@@ -81,15 +85,18 @@ struct Direction {
 }
 
 impl Direction {
-    /// `φ / a` of a point that lies at `v` from its foot.
-    fn turn(&self, tau: f64, v: DVec3, tangent: DVec3) -> f64 {
-        let across = |v: DVec3| {
+    /// `φ / a` of a point that lies at `v` from its foot, with coordinates up to `extent`. `φ` is 0 on the curve, and where the axis
+    /// or the point lies along it.
+    fn turn(&self, tau: f64, v: DVec3, tangent: DVec3, extent: f64) -> f64 {
+        let across = |v: DVec3, size: f64| {
             let flat = v - tangent * v.dot(tangent);
-            if flat.length_squared() <= ALONG * ALONG * v.length_squared() { DVec3::ZERO } else { flat }
+            if flat.length_squared() <= ALONG * ALONG * size * size { DVec3::ZERO } else { flat }
         };
-        let axis = across(DVec3::from_array([0, 1, 2].map(|i| at(&self.axis[i], tau))));
-        let v = across(v);
-        // atan2(0, 0) = 0: on the curve, and where one of them runs along it.
+        let axis = DVec3::from_array([0, 1, 2].map(|i| at(&self.axis[i], tau)));
+        let (axis, v) = (across(axis, axis.length()), across(v, v.length().max(extent)));
+        if axis == DVec3::ZERO || v == DVec3::ZERO {
+            return 0.0;
+        }
         axis.cross(v).length().atan2(axis.dot(v)) / at(&self.angle, tau)
     }
 }

@@ -104,6 +104,27 @@ impl<T: Interpolate> Keyed<T> {
 }
 
 impl<T> Keyed<T> {
+    /// The same keys with other values. A list must become one that is as long.
+    #[must_use]
+    pub fn map(&self, mut change: impl FnMut(&T) -> T) -> Self {
+        match self {
+            Self::Constant(value) => Self::Constant(change(value)),
+            Self::Keys(track) => {
+                let keys = track.keys.iter().map(|(time, value)| (*time, change(value))).collect();
+                Self::Keys(Keys { keys, ease: track.ease })
+            }
+        }
+    }
+
+    /// The times of the keys in seconds, rising; none for a constant.
+    pub fn times(&self) -> impl Iterator<Item = f64> {
+        let keys = match self {
+            Self::Constant(_) => &[][..],
+            Self::Keys(track) => &track.keys,
+        };
+        keys.iter().map(|(time, _)| *time)
+    }
+
     /// The time of the last key in seconds; `None` for a constant.
     pub fn last_key(&self) -> Option<f64> {
         match self {
@@ -132,6 +153,16 @@ mod tests {
         let at = |t| track.at(t);
         assert_eq!([at(0.0), at(1.0), at(2.0), at(3.0), at(9.0)], [2.0, 2.0, 4.0, 6.0, 6.0]);
         assert_eq!(track.last_key(), Some(3.0));
+    }
+
+    #[test]
+    fn mapped_keys_keep_their_times_and_their_ease() {
+        let track = Keyed::keys(vec![(1.0, 2.0_f32), (3.0, 6.0)], true).unwrap();
+        let doubled = track.map(|value| 2.0 * value);
+        assert_eq!(doubled.times().collect::<Vec<_>>(), [1.0, 3.0]);
+        assert_eq!([1.5, 2.0].map(|t| doubled.at(t)), [1.5, 2.0].map(|t| 2.0 * track.at(t)));
+        let constant = Keyed::Constant(2.0_f32).map(|value| value + 1.0);
+        assert_eq!((constant.times().count(), constant.at(7.0)), (0, 3.0));
     }
 
     #[test]

@@ -23,6 +23,10 @@ use crate::tiles::TILE;
 /// The most cells along an axis: the weights' rounding grows with the degree, and the control points with its cube.
 pub const MAX_LATTICE_CELLS: u8 = 32;
 
+/// A point this far beyond a face, as a part of the face's coordinate, still lies on it: four steps of float32. Boxes are written
+/// as parts of an object's bounds, or as sums; without this the object's own outermost points would fall out of them.
+const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
 /// Most weights of an axis.
 const WEIGHTS: usize = MAX_LATTICE_CELLS as usize + 1;
 
@@ -116,18 +120,18 @@ impl Lattice {
         (0..n).flat_map(|k| (0..m).map(move |j| (j, k))).flat_map(|(j, k)| row(j, k)).collect()
     }
 
-    /// Whether a point lies in the box; its boundary belongs to it.
-    fn holds(&self, p: [f32; 3]) -> bool {
-        (0..3).all(|a| self.min[a] <= p[a] && p[a] <= self.max[a])
-    }
-
-    /// `s, t, u` of a point in the box.
-    fn place(&self, p: [f32; 3]) -> [f32; 3] {
-        let part = |a: usize| {
-            let (min, max) = (f64::from(self.min[a]), f64::from(self.max[a]));
-            ((f64::from(p[a]) - min) / (max - min)) as f32
-        };
-        [part(0), part(1), part(2)]
+    /// `s, t, u` of a point in the box, to whose boundary it belongs; nothing outside.
+    fn place(&self, p: [f32; 3]) -> Option<[f32; 3]> {
+        let mut place = [0.0; 3];
+        for (a, slot) in place.iter_mut().enumerate() {
+            let (min, max, x) = (f64::from(self.min[a]), f64::from(self.max[a]), f64::from(p[a]));
+            let slack = ROUNDING * min.abs().max(max.abs());
+            if !(min - slack..=max + slack).contains(&x) {
+                return None;
+            }
+            *slot = ((x - min) / (max - min)).clamp(0.0, 1.0) as f32;
+        }
+        Some(place)
     }
 }
 
@@ -153,7 +157,7 @@ impl LatticeBinding {
     /// Binds `points` (any number, in any order) to a lattice. `mask`, where there is one, has a factor on the shift of each
     /// point.
     ///
-    /// Points outside the box, and those with a coordinate that is not a number, are bound to nothing. Uses rayon's current
+    /// Points outside the box (by more than the rounding of its corners), and those with a coordinate that is not a number, are bound to nothing. Uses rayon's current
     /// pool; the result does not depend on its size.
     pub fn new(lattice: &Lattice, points: &[[f32; 3]], mask: Option<&[f32]>) -> Result<Self, LatticeError> {
         lattice.check()?;
@@ -218,13 +222,13 @@ impl Held {
             if factor == 0.0 {
                 continue;
             }
-            if !lattice.holds(point) {
+            let Some(place) = lattice.place(point) else {
                 outside += 1;
                 continue;
-            }
+            };
             held.index.push(index as u16);
             held.factor.push(factor);
-            for (row, c) in held.place.iter_mut().zip(lattice.place(point)) {
+            for (row, c) in held.place.iter_mut().zip(place) {
                 row.push(c);
             }
         }

@@ -29,6 +29,10 @@ pub(crate) const ROUNDING: f64 = 1e-9;
 /// A foot within this of a closed curve's end, in parts of a piece, is at its start: rounding puts it on either side.
 const CLOSED: f64 = 1e-12;
 
+/// The same where the curve comes to a standstill there: feet are found to the square root of the rounding, and the curve
+/// moves by the square of this.
+const CLOSED_STILL: f64 = 1e-5;
+
 // What a point has on a piece; a mark is a sum of these, kept as a number among numbers.
 /// The piece's start is a foot.
 const START: f64 = 1.0;
@@ -55,8 +59,10 @@ pub(crate) struct Piece {
     pub(crate) before: Option<(f64, DVec3)>,
     /// Whether the curve ends here.
     pub(crate) last: bool,
-    /// Whether a closed curve comes back to its start here.
-    pub(crate) closes: bool,
+    /// Within this of the end, in parts of the piece, a closed curve is back at its start; 0 where it is not.
+    pub(crate) closes: f64,
+    /// Whether all of the piece is the start of a closed curve, which stands still from here to its end.
+    pub(crate) rests: bool,
     /// The chord's start, direction and inverse squared length, and how far the piece strays from it.
     chord: (DVec3, DVec3, f64),
     pub(crate) stray: f64,
@@ -88,7 +94,8 @@ impl Piece {
             powers,
             before: None,
             last: false,
-            closes: false,
+            closes: 0.0,
+            rests: false,
             chord: (start, chord, inverse),
             stray,
             cubic,
@@ -98,7 +105,18 @@ impl Piece {
     /// Segment and place in it at `s`; where a closed curve closes, its start: of two parameters the smaller.
     #[inline(always)]
     pub(crate) fn place(&self, s: f64) -> (u32, f64) {
-        if self.closes && s > 1.0 - CLOSED { (0, 0.0) } else { (self.span, self.t0 + self.width * s) }
+        if self.rests || s > 1.0 - self.closes { (0, 0.0) } else { (self.span, self.t0 + self.width * s) }
+    }
+
+    /// A closed curve comes back to its start here.
+    pub(crate) fn close(&mut self) {
+        self.closes = if self.cubic.tangent(1.0) == DVec3::ZERO { CLOSED_STILL } else { CLOSED };
+        self.rests = self.is_point();
+    }
+
+    /// Whether the piece is a single point.
+    fn is_point(&self) -> bool {
+        self.cubic.0[1..] == [DVec3::ZERO; 3]
     }
 
     pub(crate) fn outermost(&self) -> f64 {

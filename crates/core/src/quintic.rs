@@ -101,7 +101,8 @@ fn halves(c: &Bernstein) -> (Bernstein, Bernstein) {
 /// The root of coefficients that change sign once, upwards: Newton's method inside a bracket.
 pub(crate) fn single_root(c: &Bernstein) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
-    let mut s = c[0] / (c[0] - c[5]);
+    // A zero at the start is no change of sign, and not the root that is sought.
+    let mut s = if c[0] == 0.0 { 0.5 } else { c[0] / (c[0] - c[5]) };
     for _ in 0..100 {
         let (value, slope) = value_and_slope(c, s);
         if value < 0.0 {
@@ -169,6 +170,20 @@ mod tests {
     fn a_falling_root_is_no_foot() {
         assert!(roots_of(&product([0.5, 2.0, 3.0, 4.0, 5.0], -1.0)).is_empty());
         assert_eq!(roots_of(&product([0.5, 2.0, 3.0, 4.0, 5.0], 1.0)).len(), 1);
+    }
+
+    #[test]
+    fn roots_rise_and_fall_by_turns_and_a_zero_at_the_start_is_none() {
+        let all = |p: &[f64; 6]| {
+            let mut found = Vec::new();
+            roots(&from_powers(p), &mut |s, rises| found.push((s, rises)));
+            found
+        };
+        let three = all(&product([0.2, 0.5, 0.9, 4.0, -5.0], 1.0));
+        assert_eq!(three.iter().map(|r| r.1).collect::<Vec<_>>(), [false, true, false]);
+        // Rises from 0 at 0 and falls through 0.7.
+        let found = all(&product([0.0, 0.7, -2.0, -3.0, 4.0], 1.0));
+        assert!(found.len() == 1 && (found[0].0 - 0.7).abs() < 1e-9 && !found[0].1, "{found:?}");
     }
 
     #[test]

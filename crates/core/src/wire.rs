@@ -221,7 +221,8 @@ pub struct Locator {
 ///
 /// With `cosangle` the cosine of the angle at `R(p)` between `D(p_D)` and `P` the radius is the wire's own where
 /// `cosangle ≤ 0`, `‖R(p) − D(p_D)‖` where `cosangle ≥ delta`, and between the two runs as `3x² − 2x³` from the one to the other.
-/// A point on `R` has `F = 1`. §4: several domains give `F = Σ Fⱼ·Fⱼ^mⱼ / Σ Fⱼ^mⱼ` over those with `Fⱼ > 0`.
+/// A point on `R` has `F = 1`. §4: several domains give `F = Σ Fⱼ·Fⱼ^mⱼ / Σ Fⱼ^mⱼ` over those with `Fⱼ > 0`; with an `m` of 0 or
+/// less `F` therefore steps where one of them ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
     /// `D`.
@@ -241,8 +242,10 @@ impl Domain {
     }
 }
 
-/// What a domain curve bounds. The influence `F` itself; or one attribute, whose effect is multiplied by the `F` that the domain
-/// curves of this attribute alone would give: the scale tends to 1, the others to 0, as a point nears `D`.
+/// What a domain curve bounds: the influence `F` itself, or how one attribute acts.
+///
+/// An attribute with domain curves of its own acts by the `F` that these would give where that is less than the wire's (both before
+/// direction and mask): the scale tends to 1 and the others to 0 as a point nears `D`, and on the far side nothing changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Bounded {
     /// `F`.
@@ -273,7 +276,7 @@ pub enum Closest {
     /// feet the nearer has a share that runs smoothly from a half to the whole. `ρᵢ = min B(Sᵢⱼ − dᵢ) / B(Sᵢⱼ − dⱼ)` over the
     /// nearer feet `j`, where `Sᵢⱼ` is the greatest distance on the way from `i` to `j` along the curve (round a closed one, on
     /// the way where it is less), `B(s) = x(2 − x)`, `x = min(s / width, 1)`: 1 where a ridge parts the two, 0 where the foot
-    /// runs into the ridge.
+    /// runs into the ridge. Feet with no ridge between them, as on a curve that is folded on itself, count as one.
     Blended(f32),
 }
 

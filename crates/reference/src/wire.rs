@@ -72,6 +72,13 @@ impl Prepared {
         by_foot.fold((0.0, DVec3::ZERO), |sum, one| (sum.0 + one.0, sum.1 + one.1))
     }
 
+    /// The influence by distance and domain curves.
+    fn radial(&self, p: DVec3, foot: &Foot) -> f64 {
+        let radius = Attributes::at(&self.wire, foot.u).radius;
+        let bounded = self.domains.influence(Bounded::Influence, p, DVec3::from_array(foot.point), radius);
+        bounded.unwrap_or_else(|| density(&self.wire.density, foot.distance / radius))
+    }
+
     /// `F` for a point with this foot, without the mask.
     fn influence(&self, p: DVec3, foot: &Foot) -> f64 {
         if !p.is_finite() {
@@ -79,9 +86,7 @@ impl Prepared {
         }
         let attributes = Attributes::at(&self.wire, foot.u);
         let on = DVec3::from_array(foot.point);
-        let bounded = self.domains.influence(Bounded::Influence, p, on, attributes.radius);
-        let radial =
-            bounded.unwrap_or_else(|| density(&self.wire.density, foot.distance / attributes.radius));
+        let radial = self.radial(p, foot);
         let Some(axis) = attributes.direction else { return radial };
         let tangent = direction(&self.wire.reference, foot.place);
         let angle = angle_about(tangent, axis, p - on, self.feet.extent(p));
@@ -92,7 +97,12 @@ impl Prepared {
     fn attributes(&self, p: DVec3, foot: &Foot) -> Attributes {
         let own = Attributes::at(&self.wire, foot.u);
         let on = DVec3::from_array(foot.point);
-        let part = |bounds| self.domains.influence(bounds, p, on, own.radius).unwrap_or(1.0);
+        // An attribute acts by the lesser of its own domains' influence and the wire's.
+        let radial = self.radial(p, foot);
+        let part = |bounds| match self.domains.influence(bounds, p, on, own.radius) {
+            Some(bounded) if bounded < radial => bounded / radial,
+            _ => 1.0,
+        };
         Attributes {
             scale: 1.0 + (own.scale - 1.0) * part(Bounded::Scale),
             rotation: own.rotation * part(Bounded::Rotation),

@@ -11,7 +11,7 @@ fn a_hundred_rigs_meet_every_kind_and_move_a_good_part_of_their_points() {
         let rig = Rig::new(seed);
         kinds.extend(rig.wires.iter().map(|w| (w.reference.kind(), w.reference.closed())));
         let scene = Scene::new(&rig.wires, &rig.blend);
-        for (i, &p) in rig.points.iter().enumerate() {
+        for (i, &p) in rig.points.iter().enumerate().step_by(3) {
             let q = scene.deform_masked(p, &rig.masks_at(i));
             assert!(q.iter().all(|c| c.is_finite()), "seed {seed}, {p:?}");
             moved += usize::from(p.map(f64::from) != q);
@@ -30,10 +30,10 @@ fn a_hundred_rigs_meet_every_kind_and_move_a_good_part_of_their_points() {
 
 #[test]
 fn rest_moves_nothing() {
-    for seed in 0..60 {
+    for seed in 0..30 {
         let rig = Rig::new(seed).at_rest();
         let scene = Scene::new(&rig.wires, &rig.blend);
-        for &p in &rig.points {
+        for &p in rig.points.iter().step_by(2) {
             assert_eq!(scene.deform(p), p.map(f64::from), "seed {seed}");
         }
     }
