@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = document.rest()?;
     let mut baker = Baker::new(document, &scene, Settings::default());
 
-    let mut effect = Evaluation::new(&preset.effect, &positions, &triangles)?;
+    let mut effect = Evaluation::new(&preset.effects, &positions, &triangles)?;
     let mut now = positions.clone();
     let times = schedule(&When::All, preset.duration, preset.animated, 24.0, 1000)?;
     for (_, seconds) in times.moments() {

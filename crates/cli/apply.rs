@@ -9,16 +9,13 @@ use wirework::{ApplyError, Fault, Job, Report, When, bake};
 use crate::args::{Apply, Bake};
 use crate::console::{Console, print};
 use crate::exit::Failure;
-use crate::presets;
+use crate::{diagnostics, presets};
 
 pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     let bake = bake(args.bake)?;
     let report_file = args.report.as_deref().filter(|path| *path != Path::new("-"));
     report_file.map_or(Ok(()), check_report)?;
     let preset = presets::read(console, &args.preset, &args.limits.preset(), args.strict)?;
-    // One from standard input stands in the current folder, and its object needs a name.
-    let preset_path =
-        if args.preset == Path::new("-") { Path::new("preset.ron") } else { args.preset.as_path() };
     let job = Job {
         input: args.input.as_deref(),
         output: args.output.as_deref(),
@@ -38,7 +35,7 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
         limits: args.limits.asset(),
         threads: args.threads,
         strict: args.strict,
-        ..Job::new(&preset.parsed.preset, preset_path)
+        ..Job::new(&preset.parsed.preset, presets::named(&args.preset))
     };
     let job = Job { max_frames: args.limits.max_frames.unwrap_or(job.max_frames), ..job };
     let report = wirework::apply(&job, &mut |progress| console.progress(progress)).map_err(|error| {
@@ -48,7 +45,7 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
                 console.fail(warning);
             }
         }
-        Failure::from(error)
+        diagnostics::fail(console, &preset, error)
     })?;
     tell(console, args, &report)?;
     Ok(())

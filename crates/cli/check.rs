@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use wirework::asset::printable;
-use wirework::{ApplyError, PresetFile, Subject};
+use wirework::{ApplyError, PresetFile, Subject, check_images};
 
 use crate::args::Check;
 use crate::console::Console;
 use crate::exit::Failure;
-use crate::presets;
+use crate::{diagnostics, presets};
 
 /// Checks every preset; the first failure gives the exit code.
 pub(crate) fn run(console: Console, args: &Check) -> Result<(), Failure> {
@@ -43,7 +43,7 @@ fn one(console: Console, path: &Path, args: &Check) -> Result<String, Failure> {
             Ok(preset.file)
         }
         Err(error) => {
-            let mut failure = Failure::from(error);
+            let mut failure = diagnostics::fail(console, &preset, error);
             failure.message =
                 failure.message.map(|message| format!("{}: {message}", printable(&preset.file)));
             Err(failure)
@@ -51,16 +51,21 @@ fn one(console: Console, path: &Path, args: &Check) -> Result<String, Failure> {
     }
 }
 
-/// Whether a preset fits its own object, where it has one.
+/// Whether a preset fits its own object; without one, whether what it reads is there.
 fn fit(preset: &PresetFile, path: &Path, args: &Check) -> Result<Vec<String>, ApplyError> {
-    let preset = &preset.parsed.preset;
-    let Some(object) = &preset.object else { return Ok(Vec::new()) };
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let subject = Subject::from_object(object, folder, "object", &args.limits.asset())?;
+    let (path, preset) = (presets::named(path), &preset.parsed.preset);
+    let (folder, limits) = (path.parent().unwrap_or(Path::new("")), args.limits.asset());
+    let Some(subject) = Subject::from_preset(preset, path, &limits)? else {
+        check_images(&preset.effects, folder, &limits)?;
+        return Ok(Vec::new());
+    };
     let mut now = subject.points.clone();
-    subject.bind(&preset.effect)?.at(0.0, &mut now)?;
+    let mut evaluation = subject.bind(preset, folder, &limits)?;
+    evaluation.at(0.0, &mut now)?;
     if let Some(point) = now.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
         return Err(ApplyError::OutOfRange { point, seconds: 0.0 });
     }
-    Ok(subject.warnings())
+    let mut warnings = subject.warnings();
+    warnings.extend(evaluation.warnings());
+    Ok(warnings)
 }

@@ -105,7 +105,13 @@ fn preset_table(facts: &PresetFacts) -> String {
     let mut table = Table::default();
     table.row("object", facts.object.unwrap_or("none: it needs an input"));
     table.rows("effect", &facts.effects, |effect| {
-        format!("{}: {}", effect.effect, of(effect.wires, "wire", "wires"))
+        let lattice = effect.lattice.map(|[l, m, n]| format!("a lattice of {l} x {m} x {n} cells"));
+        let only = effect.only.as_ref().map(|only| format!("only: {}", printable(only)));
+        let mask = effect.mask.as_ref().map(|mask| format!("mask: {}", printable(mask)));
+        let units = (effect.units != "Metres").then(|| format!("units: {}", effect.units));
+        let wires = of(effect.wires, "wire", "wires");
+        let parts: Vec<String> = [Some(wires), lattice, only, mask, units].into_iter().flatten().collect();
+        format!("{}: {}", effect.effect, parts.join(", "))
     });
     table.row("duration", &format!("{} s", facts.duration));
     table.row("animated", if facts.animated { "yes" } else { "no: a still" });

@@ -31,3 +31,8 @@ pub(crate) fn read(
     diagnostics::warn(console, &preset, strict)?;
     Ok(preset)
 }
+
+/// The path of a preset. One from standard input stands in the current folder, and its object needs a name.
+pub(crate) fn named(path: &Path) -> &Path {
+    if path == Path::new("-") { Path::new("preset.ron") } else { path }
+}

@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 use wirework_asset::{Limits, same_file, write_files};
 use wirework_bake::{Bake, Settings};
 use wirework_preset::Preset;
-use wirework_surface::Bounds;
 
-use crate::film::{Film, check_clip};
+use crate::film::{Controlled, Film, check_clip};
+use crate::mask::{mask_files, masks};
 use crate::output::{Scene, Target};
 use crate::report::peak_bytes;
-use crate::subject::{Model, Subject, stem, unfit};
+use crate::subject::{Model, Subject, unfit};
 use crate::{ApplyError, Evaluation, Report, Schedule, When, schedule};
 
 /// What to apply, to what, and how.
@@ -110,6 +110,9 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     for path in [job.input, Some(job.preset_path), own_object(job).as_deref()].into_iter().flatten() {
         guard_report(job, path)?;
     }
+    for path in mask_files(&preset.effects, preset_dir(job)) {
+        guard_report(job, &path)?;
+    }
     let subject = subject(job)?;
     let mut report = Report {
         points: subject.position_count(),
@@ -118,19 +121,31 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         warnings: subject.warnings(),
         ..Report::default()
     };
-    let Subject { points, triangles, model, point_of, own } = subject;
-    let extent = Bounds::of(&points);
+    let masks = masks(&subject, &preset.effects, preset_dir(job), &job.limits)?;
+    let bounds = subject.bounds();
+    let Subject { points, triangles, model, net, point_of, own } = subject;
     if let Some(clip) = job.clip {
         check_clip(&model, clip)?;
     }
     for path in parts(&model, job.input.map(Path::to_path_buf).or_else(|| own_object(job))) {
         guard_report(job, &path)?;
     }
-    let evaluation = Evaluation::new(&preset.effect, &points, &triangles).map_err(unfit(own))?;
+    let evaluation = Evaluation::masked(&preset.effects, masks, &points, &triangles, bounds);
+    let evaluation = evaluation.map_err(unfit(own))?;
+    let surface = match (&net, &model) {
+        (Some(net), Model::Mesh { mesh, .. }) => {
+            let controlled = Controlled { surface: net.surface()?, controls: points.clone() };
+            Some((controlled, mesh.positions.clone()))
+        }
+        _ => None,
+    };
+    let (net, surface) = surface.unzip();
+    let points = surface.as_deref().unwrap_or(&points);
     let mut film = Film {
-        now: points.clone(),
-        points: &points,
+        now: points.to_vec(),
+        points,
         evaluation,
+        net,
         schedule,
         shade: Duration::ZERO,
         write: Duration::ZERO,
@@ -143,7 +158,8 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, None)?,
     };
     report.warnings.extend(product.warnings);
-    report.warnings.extend(film.idle(extent));
+    report.warnings.extend(film.evaluation.warnings());
+    report.warnings.extend(film.evaluation.idle_warnings());
     if job.strict && !report.warnings.is_empty() {
         return Err(ApplyError::Strict(report.warnings));
     }
@@ -220,6 +236,9 @@ fn guard(job: &Job<'_>, path: &Path) -> Result<(), ApplyError> {
     if same_file(job.preset_path, path) {
         return refuse("the preset");
     }
+    if mask_files(&job.preset.effects, preset_dir(job)).iter().any(|image| same_file(image, path)) {
+        return refuse("an image that the preset reads");
+    }
     if own_object(job).is_some_and(|object| same_file(&object, path)) && !job.in_place {
         return refuse("the preset's object; `--in-place` allows that");
     }
@@ -256,16 +275,18 @@ fn same_place(a: &Path, b: &Path) -> bool {
 
 /// The file that the preset names as its object, where no input takes its place.
 fn own_object(job: &Job<'_>) -> Option<PathBuf> {
-    let folder = job.preset_path.parent().unwrap_or(Path::new(""));
     let object = job.preset.object.as_ref().filter(|_| job.input.is_none())?;
-    object.file(folder)
+    object.file(preset_dir(job))
+}
+
+/// The folder that names of files in the preset are relative to.
+fn preset_dir<'a>(job: &Job<'a>) -> &'a Path {
+    job.preset_path.parent().unwrap_or(Path::new(""))
 }
 
 fn subject(job: &Job<'_>) -> Result<Subject, ApplyError> {
     if let Some(input) = job.input {
         return Subject::read(input, &job.limits);
     }
-    let object = job.preset.object.as_ref().ok_or(ApplyError::NoObject)?;
-    let folder = job.preset_path.parent().unwrap_or(Path::new(""));
-    Subject::from_object(object, folder, &stem(job.preset_path), &job.limits)
+    Subject::from_preset(job.preset, job.preset_path, &job.limits)?.ok_or(ApplyError::NoObject)
 }

@@ -6,7 +6,7 @@ use thiserror::Error;
 use wirework_asset::{AssetError, ErrorClass, printable};
 use wirework_bake::BakeError;
 use wirework_core::BindError;
-use wirework_preset::ObjectError;
+use wirework_preset::{ObjectError, PresetError, PresetErrorKind};
 use wirework_surface::{MeshError, NearestError, NormalsError};
 use wirework_wrinkle::WrinkleError;
 
@@ -47,6 +47,9 @@ pub enum ApplyError {
     /// The preset names no object and there is no input.
     #[error("the preset names no object to work on: give an input, or add `object: ..` to it")]
     NoObject,
+    /// A name or an image that the preset asks for is not there, or cannot be used; with its place in the preset.
+    #[error("{0}")]
+    Preset(Box<PresetError>),
     /// The preset's object cannot be built.
     #[error("the preset's object cannot be built: {0}")]
     Object(#[from] ObjectError),
@@ -101,7 +104,9 @@ impl ApplyError {
                 Fault::Asset => Fault::Preset,
                 other => other,
             },
+            Self::Preset(error) if error.kind == PresetErrorKind::Limit => Fault::Limit,
             Self::NoObject
+            | Self::Preset(_)
             | Self::Object(_)
             | Self::OutOfRange { .. }
             | Self::Bake(BakeError::Frame { .. }) => Fault::Preset,
@@ -129,12 +134,13 @@ fn of_evaluation(error: &EvaluateError) -> Fault {
             effect: 1..,
             error: WrinkleError::NoNormal { .. } | WrinkleError::Surface(NearestError::Vertex { .. }),
         } => Fault::Preset,
-        // A point set, where the effect needs faces.
+        // A point set, where the effect needs faces, or points at one place, where it needs an extent.
         EvaluateError::Wrinkle {
             error: WrinkleError::Surface(_) | WrinkleError::NoNormal { .. }, ..
-        } => Fault::Asset,
+        }
+        | EvaluateError::NoExtent { .. } => Fault::Asset,
         EvaluateError::Bind { error: BindError::TooManyPoints(_), .. } => Fault::Limit,
-        EvaluateError::PointCount { .. } => Fault::Work,
+        EvaluateError::PointCount { .. } | EvaluateError::Scoped { .. } => Fault::Work,
         _ => Fault::Preset,
     }
 }

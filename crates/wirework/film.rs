@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use wirework_asset::{Clip, Format, Gltf, Obj, OutputFile, write_obj};
 use wirework_bake::{Baker, Settings};
-use wirework_surface::{Bounds, Mesh};
+use wirework_preset::ObjectError;
+use wirework_surface::{Mesh, Tessellation};
 
 use crate::error::count;
 use crate::output::{Pattern, Scene, scene_mesh};
@@ -22,9 +23,11 @@ pub(crate) struct Product {
 
 /// An effect on its way through time.
 pub(crate) struct Film<'a> {
+    /// What the model's positions are places of, at rest: the effect's points, or those of the surface that they control.
     pub(crate) points: &'a [[f32; 3]],
     pub(crate) now: Vec<[f32; 3]>,
     pub(crate) evaluation: Evaluation<'a>,
+    pub(crate) net: Option<Controlled<'a>>,
     pub(crate) schedule: Schedule,
     pub(crate) shade: Duration,
     pub(crate) write: Duration,
@@ -33,7 +36,27 @@ pub(crate) struct Film<'a> {
     pub(crate) progress: &'a mut (dyn FnMut(Progress) + Send),
 }
 
+/// A surface whose control points the effect moves.
+pub(crate) struct Controlled<'a> {
+    pub(crate) surface: Tessellation<'a>,
+    /// The control points where they are now.
+    pub(crate) controls: Vec<[f32; 3]>,
+}
+
 impl Film<'_> {
+    /// Works out where the points are at a moment.
+    fn at(&mut self, seconds: f64) -> Result<(), ApplyError> {
+        let moved = self.net.as_mut().map_or(&mut self.now, |net| &mut net.controls);
+        self.evaluation.at(seconds, moved).map_err(unfit(self.own))?;
+        if let Some(point) = moved.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+            return Err(ApplyError::OutOfRange { point, seconds });
+        }
+        if let Some(Controlled { surface, controls }) = &self.net {
+            surface.positions_into(controls, &mut self.now).map_err(ObjectError::from)?;
+        }
+        Ok(())
+    }
+
     /// Works out every moment, lets `vertices` follow, and hands each to `take`: frame, time and vertices.
     fn play(
         &mut self,
@@ -42,10 +65,7 @@ impl Film<'_> {
     ) -> Result<(), ApplyError> {
         let frames = self.schedule.count();
         for (done, (frame, seconds)) in self.schedule.moments().enumerate() {
-            self.evaluation.at(seconds, &mut self.now).map_err(unfit(self.own))?;
-            if let Some(point) = self.now.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
-                return Err(ApplyError::OutOfRange { point, seconds });
-            }
+            self.at(seconds)?;
             let start = Instant::now();
             for list in vertices.iter_mut() {
                 list.place(self.points, &self.now);
@@ -140,19 +160,6 @@ impl Film<'_> {
             }
         }
         Ok(Product { files, ..Product::default() })
-    }
-
-    /// A warning for each effect that reaches nothing; `extent` is where the points lie.
-    pub(crate) fn idle(&self, extent: Option<Bounds>) -> Vec<String> {
-        let span = extent.map_or_else(String::new, |Bounds { min, max }| {
-            format!("; the points lie between {min:?} and {max:?}")
-        });
-        let line = |effect| {
-            let which =
-                if effect == 0 { String::new() } else { format!(" (number {effect} of the stack, from 0)") };
-            format!("the effect{which} reaches no vertex: nothing moves{span} [no-reach]")
-        };
-        self.evaluation.idle().map(line).collect()
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 use wirework_asset::{Gltf, Limits};
-use wirework_preset::{Effect, Object, Parsed, Shape};
+use wirework_preset::{Action, Effect, Mask, Object, Only, Parsed, PatchDeform, Shape, Units};
 use wirework_surface::{Bounds, Mesh};
 use wirework_wrinkle::Pattern;
 
@@ -211,19 +211,25 @@ pub struct PresetFacts {
 pub struct EffectFacts {
     /// `Deform` or `Wrinkle`.
     pub effect: &'static str,
-    /// How many wires it draws.
+    /// How many wires it draws; those of a wire lattice count each.
     pub wires: usize,
+    /// Cells of the lattice that the wires move, if there is one.
+    pub lattice: Option<[u8; 3]>,
+    /// What it may move, as in the preset; none: everything. Wires may have more of their own.
+    pub only: Option<String>,
+    /// Its painted falloff, as in the preset.
+    pub mask: Option<String>,
+    /// What its lengths are counted in: `Metres` or `Bounds`.
+    pub units: &'static str,
 }
 
 impl PresetFacts {
     /// The facts of a preset that has been read.
     pub fn of(parsed: &Parsed) -> Self {
         let preset = &parsed.preset;
-        let mut effects = Vec::new();
-        of_effect(&preset.effect, &mut effects);
         Self {
             object: preset.object.as_ref().map(of_object),
-            effects,
+            effects: preset.effects.iter().map(of_effect).collect(),
             duration: preset.duration,
             animated: preset.animated,
             warnings: parsed.warnings.iter().map(ToString::to_string).collect(),
@@ -231,18 +237,42 @@ impl PresetFacts {
     }
 }
 
-fn of_effect(effect: &Effect, out: &mut Vec<EffectFacts>) {
-    match effect {
-        Effect::Deform(deform) => out.push(EffectFacts { effect: "Deform", wires: deform.wires.len() }),
-        Effect::Wrinkle(wrinkle) => {
+fn of_effect(effect: &Effect) -> EffectFacts {
+    let (name, wires, lattice) = match &effect.action {
+        Action::Deform(deform) => ("Deform", deform.wires.len(), deform.lattice.map(|lattice| lattice.cells)),
+        Action::Wrinkle(wrinkle) => {
             let wires = match &wrinkle.pattern {
                 Pattern::Drawn(curves) => curves.len(),
                 _ => 0,
             };
-            out.push(EffectFacts { effect: "Wrinkle", wires });
+            ("Wrinkle", wires, None)
         }
-        Effect::Stack(effects) => effects.iter().for_each(|effect| of_effect(effect, out)),
+    };
+    let mask = |mask: &Mask| match mask {
+        Mask::VertexColor(channel) => format!("VertexColor({channel:?})"),
+        Mask::Image { file, channel } => format!("Image({:?}, {channel:?})", file.name),
+    };
+    EffectFacts {
+        effect: name,
+        wires,
+        lattice,
+        only: effect.only.as_ref().map(of_only),
+        mask: effect.mask.as_ref().map(mask),
+        units: match effect.units {
+            Units::Metres => "Metres",
+            Units::Bounds => "Bounds",
+        },
     }
+}
+
+fn of_only(only: &Only) -> String {
+    let kind = match only {
+        Only::Nodes(_) => "Nodes",
+        Only::Materials(_) => "Materials",
+        Only::Joints(_) => "Joints",
+    };
+    let names: Vec<&str> = only.names().iter().map(|named| named.name.as_str()).collect();
+    format!("{kind}({names:?})")
 }
 
 fn of_object(object: &Object) -> &'static str {
@@ -252,6 +282,7 @@ fn of_object(object: &Object) -> &'static str {
         Shape::Sphere { .. } => "Sphere",
         Shape::Box { .. } => "Box",
         Shape::Points(_) => "Points",
+        Shape::Patch { deform: PatchDeform::ControlPoints, .. } => "Patch (control points)",
         Shape::Patch { .. } => "Patch",
         Shape::File(_) => "File",
     }

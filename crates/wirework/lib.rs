@@ -40,7 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A **preset** is an effect as text: wires with keys, or a wrinkle drawn on a surface. An [`Evaluation`] binds it
+//! A **preset** is an effect as text: wires with keys, or a wrinkle drawn on a surface. An [`Evaluation`] binds its effects
 //! to points and gives them back at any time.
 //!
 //! ```
@@ -53,7 +53,7 @@
 //! let preset = parse(text.as_bytes(), &Limits::default())?.preset;
 //! let skin = sphere([0.0; 3], 1.0, [64, 32])?;
 //! let triangles = skin.triangles()?;
-//! let mut wrinkle = Evaluation::new(&preset.effect, &skin.positions, &triangles)?;
+//! let mut wrinkle = Evaluation::new(&preset.effects, &skin.positions, &triangles)?;
 //! let mut points = skin.positions.clone();
 //! wrinkle.at(1.0, &mut points)?;
 //! assert_eq!(wrinkle.wire_count(), 1);
@@ -88,7 +88,7 @@
 //!
 //! | module | its job |
 //! |---|---|
-//! | [`core`] | curves, wires, binding, deforming |
+//! | [`core`] | curves, wires, lattices, binding, deforming |
 //! | [`surface`] | meshes, primitives, patches, normals, the nearest point |
 //! | [`wrinkle`] | crease wires from a pattern on a surface |
 //! | [`preset`] | RON text to a checked effect |
@@ -103,11 +103,15 @@ mod error;
 mod evaluate;
 mod film;
 mod inspect;
+mod mask;
+mod net;
 mod output;
 mod preset_file;
+mod reach;
 mod report;
 mod schedule;
 mod shade;
+mod stage;
 mod subject;
 mod weld;
 
@@ -128,6 +132,8 @@ pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{
     AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, PresetFacts, SkinFacts, inspect_asset,
 };
+pub use mask::check_images;
+pub use net::ControlNet;
 pub use preset_file::{PresetFile, PresetFileError, parse_preset, read_preset};
 pub use report::Report;
 pub use schedule::{Schedule, ScheduleError, When, schedule};

@@ -5,22 +5,25 @@ use std::io::Read;
 use std::path::Path;
 
 use wirework_asset::{AssetError, Gltf, Limits, Obj, Rest};
-use wirework_preset::{Effect, Object};
-use wirework_surface::{Mesh, Transform};
+use wirework_preset::{Object, Preset};
+use wirework_surface::{Bounds, Mesh, Transform};
 
+use crate::mask::masks;
 use crate::weld::Weld;
-use crate::{ApplyError, EvaluateError, Evaluation};
+use crate::{ApplyError, ControlNet, EvaluateError, Evaluation};
 
 /// An object ready for an effect.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// The points that wires act on, each place once, at rest and in world space.
+    /// The points that wires act on, each place once, at rest and in world space; or the control points of a patch.
     pub points: Vec<[f32; 3]>,
     /// The triangles between them, counter-clockwise seen from outside; a point set has none.
     pub triangles: Vec<[u32; 3]>,
     /// Where the points come from and go to.
     pub model: Model,
-    /// For each position of the model its point.
+    /// Where there is one, the points are its control points, and the model is the surface they make.
+    pub net: Option<ControlNet>,
+    /// For each position of the model its point; with a net its point of the surface.
     pub(crate) point_of: Vec<u32>,
     /// Whether it is made of numbers in a preset.
     pub(crate) own: bool,
@@ -92,7 +95,22 @@ impl Subject {
         }
     }
 
-    /// The object that a preset brings along. `name` is what its node is called; `preset_dir` is the folder of the preset.
+    /// The object that a preset brings along, if it does; its node is called as the preset's file is.
+    ///
+    /// # Errors
+    ///
+    /// As [`Subject::from_object`].
+    pub fn from_preset(
+        preset: &Preset,
+        preset_path: &Path,
+        limits: &Limits,
+    ) -> Result<Option<Self>, ApplyError> {
+        let folder = preset_path.parent().unwrap_or(Path::new(""));
+        let object = preset.object.as_ref();
+        object.map(|object| Self::from_object(object, folder, &stem(preset_path), limits)).transpose()
+    }
+
+    /// An object that a preset brings along. `name` is what its node is called; `preset_dir` is the folder of the preset.
     ///
     /// # Errors
     ///
@@ -106,8 +124,15 @@ impl Subject {
         let Some(path) = object.file(preset_dir) else {
             let size = object.shape.size();
             limits.check_mesh(size.vertices, size.indices)?;
-            let subject = Self::from_mesh(name, object.build()?.unwrap_or_default())?;
-            return Ok(Self { own: true, ..subject });
+            let mut mesh = object.build()?.unwrap_or_default();
+            let Some((net, controls)) = ControlNet::of(object)? else {
+                return Ok(Self { own: true, ..Self::from_mesh(name, mesh)? });
+            };
+            // What does not move is to have the bits that evaluating it gives.
+            net.evaluate_into(&controls.positions, &mut mesh.positions)?;
+            let (triangles, points) = (controls.triangles()?, controls.positions);
+            let subject = Self::from_mesh(name, mesh)?;
+            return Ok(Self { own: true, points, triangles, net: Some(net), ..subject });
         };
         let subject = Self::read(&path, limits)?;
         if object.transform == Transform::default() {
@@ -152,7 +177,7 @@ impl Subject {
         let weld = Weld::new(&rest.positions);
         let triangles = weld.triangles(&rest.triangles);
         let model = Model::Gltf { gltf: Box::new(gltf), rest: Box::new(rest) };
-        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, own: false })
+        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, own: false })
     }
 
     fn new(model: Model) -> Result<Self, ApplyError> {
@@ -162,6 +187,7 @@ impl Subject {
                 triangles: Vec::new(),
                 model,
                 point_of: Vec::new(),
+                net: None,
                 own: false,
             });
         };
@@ -169,16 +195,31 @@ impl Subject {
         // Primitives list each position once; files may not.
         let weld = if obj.is_some() { Weld::new(&mesh.positions) } else { Weld::distinct(&mesh.positions) };
         let triangles = weld.triangles(&triangles);
-        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, own: false })
+        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, own: false })
     }
 
-    /// Binds an effect to the points.
+    /// Binds the effects of a preset to the points. Files that it names are relative to `preset_dir`.
     ///
     /// # Errors
     ///
-    /// The effect does not fit the object.
-    pub fn bind<'a>(&'a self, effect: &'a Effect) -> Result<Evaluation<'a>, ApplyError> {
-        Evaluation::new(effect, &self.points, &self.triangles).map_err(unfit(self.own))
+    /// An effect does not fit the object; a name or an image that an effect asks for is not there.
+    pub fn bind<'a>(
+        &'a self,
+        preset: &Preset,
+        preset_dir: &Path,
+        limits: &Limits,
+    ) -> Result<Evaluation<'a>, ApplyError> {
+        let masks = masks(self, &preset.effects, preset_dir, limits)?;
+        Evaluation::masked(&preset.effects, masks, &self.points, &self.triangles, self.bounds())
+            .map_err(unfit(self.own))
+    }
+
+    /// The box round the model at rest, which `units: Bounds` are parts of; none without a finite position.
+    pub fn bounds(&self) -> Option<Bounds> {
+        match &self.model {
+            Model::Mesh { mesh, .. } => Bounds::of(&mesh.positions),
+            Model::Gltf { .. } => Bounds::of(&self.points),
+        }
     }
 
     /// How many positions the model has in its own form: those of a mesh, the vertices of a scene.
@@ -209,6 +250,6 @@ pub(crate) fn unfit(own: bool) -> impl Fn(EvaluateError) -> ApplyError {
 }
 
 /// The name of a file without folder and extension.
-pub(crate) fn stem(path: &Path) -> String {
+fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "object".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }

@@ -3,8 +3,10 @@
 
 mod apply;
 mod commands;
+mod effects;
 mod exit_codes;
 mod made_files;
+mod masks;
 mod place;
 mod real_files;
 

@@ -10,7 +10,9 @@
 
 mod accessor;
 mod attributes;
+mod census;
 mod clip;
+mod color;
 mod container;
 mod delta;
 mod document;
@@ -28,18 +30,21 @@ mod primitive;
 mod rest;
 mod save;
 mod scratch;
+mod select;
 mod skin;
 mod still;
 mod uri;
 
+pub use census::NodeCensus;
 pub use clip::{Clip, WeightTrack};
 pub use document::Gltf;
 pub use error::{AssetError, ErrorClass, Place, Warning, printable};
 pub use limits::Limits;
 pub use morph::{MeshTarget, MorphTarget};
-pub use obj::{Obj, write_obj};
+pub use obj::{Obj, ObjMembers, write_obj};
 pub use output::{OutputFile, same_file, write_files};
 pub use primitive::Mode;
 pub use rest::{Block, LocalDeltas, Part, Rest};
 pub use save::Format;
 pub use scratch::NewMesh;
+pub use select::JointWeights;

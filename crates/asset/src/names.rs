@@ -20,6 +20,16 @@ impl Gltf {
         self.name("meshes", mesh)
     }
 
+    /// How many materials there are.
+    pub fn material_count(&self) -> usize {
+        self.list("materials").len()
+    }
+
+    /// The name of a material.
+    pub fn material_name(&self, material: usize) -> Option<&str> {
+        self.name("materials", material)
+    }
+
     /// The names of all clips, in their order.
     pub fn clip_names(&self) -> Vec<Option<&str>> {
         (0..self.list("animations").len()).map(|clip| self.name("animations", clip)).collect()

@@ -81,7 +81,7 @@ impl Gltf {
     }
 
     /// The indices of a primitive, all of them below `count`; none where it has no list of them.
-    fn indices(
+    pub(crate) fn indices(
         &self,
         primitive: Json<'_>,
         count: usize,

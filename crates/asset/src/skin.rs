@@ -67,28 +67,43 @@ pub(crate) fn vertex_matrices(
     out.resize(count, DAffine3::ZERO);
     let mut sums: Vec<f64> = reserve(count)?;
     sums.resize(count, 0.0);
+    let first = each_weight(gltf, attributes, joints.len(), budget, |v, joint, weight| {
+        let matrix = joints[joint];
+        out[v].matrix3 += matrix.matrix3 * weight;
+        out[v].translation += matrix.translation * weight;
+        sums[v] += weight;
+    })?;
+    normalise(&mut out, &sums, &first, joints, attributes, warnings);
+    Ok(out)
+}
+
+/// Visits vertex, joint and weight of all `JOINTS_n` and `WEIGHTS_n` in their order; joints are below `joints`. Gives
+/// the joints of the first set, of which the first one holds a vertex without any weight.
+pub(crate) fn each_weight(
+    gltf: &Gltf,
+    attributes: Json<'_>,
+    joints: usize,
+    budget: &mut Budget,
+    mut visit: impl FnMut(usize, usize, f64),
+) -> Result<Vec<[u32; 4]>, AssetError> {
     let mut first = Vec::new();
     for set in 0.. {
         let (joint_key, weight_key) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));
         if set > 0 && attributes.value().get(&joint_key).is_none() {
             break;
         }
-        let indices = joint_indices(gltf, find(attributes, &joint_key)?, joints.len(), budget)?;
+        let indices = joint_indices(gltf, find(attributes, &joint_key)?, joints, budget)?;
         let weights = joint_weights(gltf, find(attributes, &weight_key)?, budget)?;
         for (v, (indices, weights)) in indices.iter().zip(&weights).enumerate() {
             for (&joint, &weight) in indices.iter().zip(weights) {
-                let (matrix, weight) = (joints[joint as usize], f64::from(weight));
-                out[v].matrix3 += matrix.matrix3 * weight;
-                out[v].translation += matrix.translation * weight;
-                sums[v] += weight;
+                visit(v, joint as usize, f64::from(weight));
             }
         }
         if set == 0 {
             first = indices;
         }
     }
-    normalise(&mut out, &sums, &first, joints, attributes, warnings);
-    Ok(out)
+    Ok(first)
 }
 
 fn find<'a>(attributes: Json<'a>, key: &str) -> Result<Json<'a>, AssetError> {

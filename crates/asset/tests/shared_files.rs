@@ -117,9 +117,14 @@ fn hostile_files_are_refused_or_accepted_as_the_table_says() {
             if path.extension().is_some_and(|extension| extension == "obj") {
                 let obj = Obj::read(&path, &Limits::default())?;
                 let _ = obj.write(&obj.mesh);
+                let _ = (obj.colors(), obj.group_names(), obj.of_materials(&["x"]));
             } else {
                 let gltf = Gltf::read(&path, &Limits::default())?;
-                let _ = gltf.rest()?;
+                let rest = gltf.rest()?;
+                let joints = gltf.joint_nodes();
+                gltf.joint_weights(&rest, &joints).expect("what the rest has read");
+                gltf.vertices_of_materials(&rest, &[0]).expect("what the rest has read");
+                let _ = (gltf.colors(&rest), gltf.mesh_nodes(&joints));
                 let _ = gltf.to_glb()?;
             }
             Ok::<_, AssetError>(())

@@ -15,6 +15,7 @@ fn full() -> make::Doc {
     let joints =
         doc.accessor(json!({ "componentType": 5121, "type": "VEC4", "count": 3 }), &[0, 1, 0, 0].repeat(3));
     let weights = doc.floats("VEC4", &[0.5, 0.5, 0.0, 0.0].repeat(3));
+    let colors = doc.floats("VEC3", &[0.0, 0.5, 1.0].repeat(3));
     let deltas = doc.floats("VEC3", &[0.0, 0.0, 2.0].repeat(3));
     let indices =
         doc.accessor(json!({ "componentType": 5123, "type": "SCALAR", "count": 3 }), &[0, 0, 1, 0, 2, 0]);
@@ -26,6 +27,7 @@ fn full() -> make::Doc {
     let primitive = &mut doc.json["meshes"][0]["primitives"][0];
     primitive["attributes"]["JOINTS_0"] = json!(joints);
     primitive["attributes"]["WEIGHTS_0"] = json!(weights);
+    primitive["attributes"]["COLOR_0"] = json!(colors);
     primitive["targets"] = json!([{ "POSITION": deltas }]);
     primitive["indices"] = json!(indices);
     let times = doc.floats("SCALAR", &[0.0, 1.0]);
@@ -41,6 +43,9 @@ fn full() -> make::Doc {
 fn use_it(glb: &[u8]) -> bool {
     let Ok(mut gltf) = Gltf::from_slice(glb, "spoiled", &Limits::default()) else { return false };
     let Ok(rest) = gltf.rest() else { return false };
+    let joints = gltf.joint_nodes();
+    assert!(gltf.joint_weights(&rest, &joints).is_ok() && gltf.vertices_of_materials(&rest, &[0]).is_ok());
+    let _ = (gltf.colors(&rest), gltf.mesh_nodes(&[0, 1]));
     let moved: Vec<[f32; 3]> = rest.positions.iter().map(|p| [p[0], p[1] + 1.0, p[2]]).collect();
     let mut still = gltf.clone();
     let _ = still.set_still(&rest, &moved, None);

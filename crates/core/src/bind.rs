@@ -5,21 +5,15 @@ use std::cell::RefCell;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::arclength::ArcLength;
 use crate::attributes::{copy_influence, largest_radius, same_influence};
 use crate::blend::{self, Sums};
-use crate::cells::Cells;
-use crate::closest::Pieces;
-use crate::domain::DomainCurve;
-use crate::frame::Frame;
+use crate::bound_wire::{BoundWire, UNBOUND, keep_masks, same_places};
 use crate::influence::Measure;
 use crate::kernel::{Displacements, displace};
-use crate::runs::{Bound, Runs};
-use crate::search::{Found, Sought};
-use crate::spans::Spans;
+use crate::runs::Runs;
 use crate::tiles::{TILE, Tile, Tiles};
 use crate::wire::WireError;
-use crate::{Blend, Bounded, Closest, Domain, Wire};
+use crate::{Blend, Wire};
 
 /// A wire whose radius grows beyond what its points were bound for is bound anew for so much more, lest a steady growth
 /// bind in every frame.
@@ -29,9 +23,6 @@ const REACH_SLACK: f32 = 1.25;
 /// of float64 only. Where a wire is cut in two the first half's end would otherwise stand for feet on the second half as far
 /// away as the tolerance's square root.
 const GROUP_TIE: f64 = 1e-13;
-
-/// Stands for a reach that nothing was sought in yet.
-const UNBOUND: f32 = -1.0;
 
 /// Why points cannot be bound or deformed.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -90,30 +81,6 @@ pub struct Binding {
     unit: f32,
     /// Wires of a group are equally near when their distances differ by less.
     tie: f64,
-}
-
-/// One wire's part of a binding.
-#[derive(Clone, Debug)]
-struct BoundWire {
-    /// The state the points were bound in.
-    wire: Wire,
-    /// Feet were sought up to this distance; [`UNBOUND`] before.
-    reach: f32,
-    /// The group it was in before it was bound anew.
-    left: Option<u32>,
-    /// Whether its feet were found since the groups were last sorted.
-    found_anew: bool,
-    /// Which of [`Binding::masks`] it has.
-    mask: Option<usize>,
-    spans: Spans,
-    pieces: Pieces,
-    domains: Vec<DomainCurve>,
-    lengths: ArcLength,
-    cells: Cells,
-    runs: Runs,
-    /// Kept only in a group, where the nearest wire is chosen again when one of them moves.
-    found: Found,
-    frame: Frame,
 }
 
 /// Room for the wires of one tile.
@@ -289,86 +256,9 @@ impl Binding {
     }
 }
 
-impl BoundWire {
-    /// The wire prepared; its feet are still to be found.
-    fn new(wire: &Wire, mask: Option<usize>) -> Self {
-        let spans = Spans::new(&wire.reference);
-        let width = if let Closest::Blended(width) = wire.closest { f64::from(width) } else { 0.0 };
-        let domain = |d: &Domain| DomainCurve::new(&d.curve, d.bounds == Bounded::Influence);
-        Self {
-            lengths: ArcLength::new(&spans),
-            pieces: Pieces::new(&spans, width),
-            cells: Cells::new(wire, &spans),
-            domains: wire.domains.iter().map(domain).collect(),
-            wire: wire.clone(),
-            reach: UNBOUND,
-            left: None,
-            found_anew: false,
-            mask,
-            runs: Runs::default(),
-            found: Found::default(),
-            frame: Frame::default(),
-            spans,
-        }
-    }
-
-    /// Finds the feet of all points up to `reach`, and makes runs of them; in a group that is left to [`Binding::sort_group`].
-    fn find(&mut self, reach: f32, tiles: &Tiles, masks: &[Vec<f32>]) {
-        self.reach = reach;
-        if self.wire.group.is_some() {
-            self.found = self.bound(masks).sought.everywhere(tiles);
-        } else {
-            self.runs = Runs::bind(self.bound(masks), tiles);
-        }
-    }
-
-    /// How far its domain curves may carry its influence.
-    fn domain_reach(&self) -> f32 {
-        self.domains.iter().map(|domain| domain.reach(&self.pieces)).fold(0.0, f64::max) as f32
-    }
-
-    fn bound<'a>(&'a self, masks: &'a [Vec<f32>]) -> Bound<'a> {
-        Bound {
-            wire: &self.wire,
-            cells: &self.cells,
-            sought: Sought {
-                spans: &self.spans,
-                pieces: &self.pieces,
-                domains: &self.domains,
-                reach: f64::from(self.reach),
-            },
-            mask: self.mask.and_then(|mask| masks.get(mask)).map(Vec::as_slice),
-        }
-    }
-}
-
-/// Each of the masks once, and which of them each wire has.
-fn keep_masks(masks: &[Option<&[f32]>]) -> (Vec<Vec<f32>>, Vec<Option<usize>>) {
-    let mut given: Vec<&[f32]> = Vec::new();
-    let of_wires = masks.iter().map(|mask| {
-        let mask = (*mask)?;
-        let known = given.iter().position(|other| std::ptr::eq(*other, mask));
-        Some(known.unwrap_or_else(|| {
-            given.push(mask);
-            given.len() - 1
-        }))
-    });
-    let of_wires = of_wires.collect();
-    let in_range = |f: &f32| if f.is_nan() { 0.0 } else { f.clamp(0.0, 1.0) };
-    (given.into_iter().map(|mask| mask.iter().map(in_range).collect()).collect(), of_wires)
-}
-
 fn check(wires: &[Wire]) -> Result<(), BindError> {
     let fault = |(wire, w): (usize, &Wire)| w.check().err().map(|error| BindError::Wire { wire, error });
     wires.iter().enumerate().find_map(fault).map_or(Ok(()), Err)
-}
-
-/// Whether two wires have the same feet for all points, and the same standing to domain curves.
-fn same_places(a: &Wire, b: &Wire) -> bool {
-    let locators = a.locators.iter().map(|l| l.u).eq(b.locators.iter().map(|l| l.u));
-    let domains =
-        a.domains.iter().map(|d| (&d.curve, d.bounds)).eq(b.domains.iter().map(|d| (&d.curve, d.bounds)));
-    a.reference == b.reference && a.closest == b.closest && a.group == b.group && locators && domains
 }
 
 /// Deforms one tile; compiled for the vector instructions the processor has.

@@ -29,6 +29,7 @@ mod attributes;
 mod bind;
 mod blend;
 mod block;
+mod bound_wire;
 mod cells;
 mod closest;
 mod curve;

@@ -81,6 +81,21 @@ impl Found {
         new.more_sides = self.more_sides.iter().map(sorted).collect();
         new
     }
+
+    /// Replaces the closest foot of `point`, in a lane of a block, by all that count.
+    #[cold]
+    fn blend(&mut self, pieces: &Pieces, block: &Block, lane: usize, point: usize, profile: &mut Profile) {
+        let feet = profile.feet(pieces, block.at(lane), self.feet[point].distance);
+        let Some((closest, others)) = feet.split_first() else { return };
+        let stored = |foot: &Weighted| StoredFoot {
+            span: foot.span,
+            t: foot.t as f32,
+            distance: foot.distance,
+            weight: foot.weight as f32,
+        };
+        self.feet[point] = stored(closest);
+        self.more.extend(others.iter().map(|foot| (point as u32, stored(foot))));
+    }
 }
 
 /// What is searched.
@@ -268,21 +283,4 @@ fn near_reach(
     }
     let near = domains.iter().map(|domain| domain.reach_near(pieces, of_tile, ball));
     near.fold(own, f64::max).min(most)
-}
-
-impl Found {
-    /// Replaces the closest foot of `point`, in a lane of a block, by all that count.
-    #[cold]
-    fn blend(&mut self, pieces: &Pieces, block: &Block, lane: usize, point: usize, profile: &mut Profile) {
-        let feet = profile.feet(pieces, block.at(lane), self.feet[point].distance);
-        let Some((closest, others)) = feet.split_first() else { return };
-        let stored = |foot: &Weighted| StoredFoot {
-            span: foot.span,
-            t: foot.t as f32,
-            distance: foot.distance,
-            weight: foot.weight as f32,
-        };
-        self.feet[point] = stored(closest);
-        self.more.extend(others.iter().map(|foot| (point as u32, stored(foot))));
-    }
 }

@@ -34,11 +34,9 @@ pub(crate) fn curve(reader: &mut Reader<'_>, node: &Node) -> Option<Curve> {
     curve
 }
 
-fn degree(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> u8 {
-    reader.field(fields, "degree", DEFAULT_DEGREE, |reader, node| match reader.count(node, 1)? {
-        degree @ 1..=3 => u8::try_from(degree).ok(),
-        other => reader.bad(node, format!("the degree of a B-spline is 1, 2 or 3, found {other}")),
-    })
+/// The field `degree` of a B-spline.
+pub(crate) fn degree(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> u8 {
+    reader.field(fields, "degree", DEFAULT_DEGREE, |reader, node| reader.degree(node, "a B-spline"))
 }
 
 fn build(reader: &mut Reader<'_>, owner: &str, degree: u8, closed: bool, node: &Node) -> Option<Curve> {

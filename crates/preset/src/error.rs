@@ -87,26 +87,6 @@ impl Display for PresetErrors {
     }
 }
 
-/// Line and column, from 1 and in characters, of a byte of the source.
-pub(crate) fn line_column(source: &str, byte: usize) -> (usize, usize) {
-    let before = source.get(..byte).unwrap_or(source);
-    let line = 1 + before.bytes().filter(|&b| b == b'\n').count();
-    let column = 1 + before.chars().rev().take_while(|&c| c != '\n').count();
-    (line, column)
-}
-
-/// The byte at a line and a column, both from 1; the end of the source beyond it.
-pub(crate) fn byte_at(source: &str, line: usize, column: usize) -> usize {
-    let mut start = 0;
-    for _ in 1..line {
-        match source[start..].find('\n') {
-            Some(end) => start += end + 1,
-            None => return source.len(),
-        }
-    }
-    source[start..].char_indices().nth(column.saturating_sub(1)).map_or(source.len(), |(i, _)| start + i)
-}
-
 /// How much of a name or text is quoted in a message.
 const QUOTE_CHARS: usize = 60;
 
@@ -140,14 +120,15 @@ pub(crate) fn one_of<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     }
 }
 
-/// The valid name nearest to a mistyped one, where one is near: up to one edit for each three letters.
+/// The valid name nearest to a mistyped one, where one is near: up to one edit for each three letters, and not of all.
 pub(crate) fn nearest<'a>(found: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // Longer names are no slips of the pen, and the distance is quadratic in the length.
     if found.chars().count() > QUOTE_CHARS {
         return None;
     }
     let wanted = found.to_lowercase();
-    let reach = wanted.chars().count().div_ceil(3);
+    let letters = wanted.chars().count();
+    let reach = letters.div_ceil(3).min(letters.saturating_sub(1));
     names
         .into_iter()
         .map(|name| (strsim::osa_distance(&wanted, &name.to_lowercase()), name))

@@ -7,9 +7,6 @@ use crate::tree::{Body, Node};
 /// Effects of later versions.
 pub(crate) const EFFECTS: &[&str] = &["Stitch", "Ik"];
 
-/// Entries of `wires` of later versions.
-pub(crate) const WIRES: &[&str] = &["WireLattice"];
-
 /// Wrinkle patterns of later versions. The format's default is the first.
 pub(crate) const PATTERNS: &[&str] = &["Tangential", "Radial", "Ripple"];
 
@@ -29,8 +26,6 @@ pub(crate) struct LaterField {
 pub(crate) enum Default {
     /// A bare name.
     Name(&'static str),
-    /// `[]`.
-    EmptyList,
     /// Named numbers that are all 0.
     Zeros(&'static [&'static str]),
 }
@@ -40,7 +35,6 @@ impl Default {
     pub(crate) fn text(&self) -> String {
         match self {
             Self::Name(name) => (*name).to_owned(),
-            Self::EmptyList => "[]".to_owned(),
             Self::Zeros(keys) => {
                 let zeros: Vec<String> = keys.iter().map(|key| format!("{key}: 0")).collect();
                 format!("({})", zeros.join(", "))
@@ -51,7 +45,6 @@ impl Default {
     fn is(&self, node: &Node) -> bool {
         match (self, &node.body) {
             (Self::Name(name), _) => node.is_bare(name),
-            (Self::EmptyList, Body::List(items)) => items.is_empty(),
             (Self::Zeros(keys), Body::Fields(entries)) => entries.iter().all(|entry| {
                 keys.contains(&entry.key.text.as_str())
                     && matches!(entry.value.body, Body::Number { value, .. } if value == 0.0)
@@ -72,26 +65,11 @@ const fn later(
 
 /// All fields of later versions.
 pub(crate) const FIELDS: &[LaterField] = &[
-    later("Deform", "only", Default::Name("None"), &["Nodes", "Materials", "Joints"]),
-    later("Deform", "mask", Default::Name("None"), &["VertexColor"]),
-    later("Deform", "units", Default::Name("Metres"), &["Bounds"]),
-    later("Deform", "lattice", Default::Name("None"), &["Lattice"]),
-    later("Wire", "domains", Default::EmptyList, &[]),
-    later("Wire", "closest", Default::Name("Smallest"), &["Blended"]),
-    later("Wire", "reference", Default::Name("None"), &["Keys", "Ease"]),
-    later("Wire", "only", Default::Name("None"), &["Nodes", "Materials", "Joints"]),
-    later("Wire", "mask", Default::Name("None"), &["VertexColor"]),
-    later("Locator", "direction", Default::Name("None"), &[]),
-    later("Locator", "angle", Default::Name("None"), &[]),
-    later("Patch", "deform", Default::Name("Surface"), &["ControlPoints"]),
     later("Wrinkle", "motion", Default::Name("Anchored"), &["Travelling", "Curtain"]),
     later("Wrinkle", "branches", Default::Zeros(&["count", "depth"]), &[]),
     later("Wrinkle", "compression", Default::Name("None"), &[]),
     later("Wrinkle", "drive", Default::Name("None"), &["Strain"]),
     later("Wrinkle", "refine", Default::Name("Off"), &["Auto"]),
-    later("Wrinkle", "only", Default::Name("None"), &["Nodes", "Materials", "Joints"]),
-    later("Wrinkle", "mask", Default::Name("None"), &["VertexColor"]),
-    later("Wrinkle", "units", Default::Name("Metres"), &["Bounds"]),
 ];
 
 /// Refuses a field of a later version unless it holds its default.

@@ -9,6 +9,7 @@ use crate::later;
 use crate::limits::Limits;
 use crate::object::{Object, object};
 use crate::read::{Fields, Reader, Within, found};
+use crate::scope::{Mask, Only, Units, scope, units};
 use crate::tree::{Body, Node};
 use crate::wrinkle::wrinkle;
 
@@ -20,23 +21,34 @@ pub const FORMAT_VERSION: u64 = 1;
 pub struct Preset {
     /// What the effect is shown on where there is no input.
     pub object: Option<Object>,
-    /// What it does.
-    pub effect: Effect,
+    /// What it does: effects in order, each on the result of the one before; never empty. Stacks within stacks are one list.
+    pub effects: Vec<Effect>,
     /// Its length in seconds, 0 or greater.
     pub duration: f64,
     /// Whether anything moves in time. Without it the result is a still, whatever the duration.
     pub animated: bool,
 }
 
-/// What a preset does.
+/// One effect: of a preset, where all its values are good, or of a program's own.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Effect {
+pub struct Effect {
+    /// What it does.
+    pub action: Action,
+    /// What it may move; none: everything.
+    pub only: Option<Only>,
+    /// Painted falloff; none: 1 everywhere.
+    pub mask: Option<Mask>,
+    /// What its lengths and positions are counted in; [`Effect::placed`] turns them into metres.
+    pub units: Units,
+}
+
+/// What an effect does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
     /// Wires that the preset draws.
     Deform(Deform),
     /// Wires along the creases of a wrinkle pattern.
     Wrinkle(Box<Wrinkle>),
-    /// Effects in order, each on the result of the one before; never empty.
-    Stack(Vec<Effect>),
 }
 
 /// A preset and what is odd about it.
@@ -126,13 +138,16 @@ fn versions(reader: &mut Reader<'_>, node: &Node) -> bool {
 
 fn read(reader: &mut Reader<'_>, root: &Node) -> Option<Preset> {
     let mut scene = Scene::default();
-    let effect = effect(reader, root, &mut scene, true)?;
-    Some(Preset { object: scene.object, effect, duration: scene.duration, animated: scene.animated })
+    let mut effects = Vec::new();
+    effect(reader, root, &mut scene, &mut effects)?;
+    Some(Preset { object: scene.object, effects, duration: scene.duration, animated: scene.animated })
 }
 
 /// What the effects of a preset have in common.
 #[derive(Default)]
 struct Scene {
+    /// Whether an effect was read: only the first names the object.
+    begun: bool,
     object: Option<Object>,
     duration: f64,
     animated: bool,
@@ -140,43 +155,41 @@ struct Scene {
 
 const EFFECTS: [&str; 3] = ["Deform", "Wrinkle", "Stack"];
 
-/// Reads an effect; only the `first` may name the object.
-fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, first: bool) -> Option<Effect> {
+/// Reads an effect, or the effects of a stack, and appends them to `out`.
+fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec<Effect>) -> Option<()> {
     let Some(name) = &node.name else {
         return reader.mismatch(node, "an effect such as `Deform(..)` or `Wrinkle(..)`");
     };
-    match name.text.as_str() {
-        "Deform" => {
-            let mut fields = reader.unnamed_fields(node, "Deform")?;
-            let mut clock = Clock::default();
-            common(reader, &mut fields, scene, first);
-            let deform = deform(reader, &mut fields, &mut clock);
-            duration(reader, &mut fields, &clock, scene);
-            reader.finish(fields);
-            deform.map(Effect::Deform)
-        }
-        "Wrinkle" => {
-            let mut fields = reader.unnamed_fields(node, "Wrinkle")?;
-            let mut clock = Clock::default();
-            common(reader, &mut fields, scene, first);
-            let wrinkle = wrinkle(reader, &mut fields, &mut clock);
-            duration(reader, &mut fields, &clock, scene);
-            reader.finish(fields);
-            wrinkle.map(|wrinkle| Effect::Wrinkle(Box::new(wrinkle)))
-        }
-        "Stack" => stack(reader, node, scene, first).map(Effect::Stack),
+    let owner = match name.text.as_str() {
+        "Stack" => return stack(reader, node, scene, out),
+        "Deform" => "Deform",
+        "Wrinkle" => "Wrinkle",
         other if later::EFFECTS.contains(&other) => {
             later::refuse(reader, node, other, None);
-            None
+            return None;
         }
         _ => {
             reader.unknown_name(name, "effect", &[&EFFECTS, later::EFFECTS].concat());
-            None
+            return None;
         }
-    }
+    };
+    let mut fields = reader.unnamed_fields(node, owner)?;
+    let mut clock = Clock::default();
+    common(reader, &mut fields, scene);
+    let (only, mask) = scope(reader, &mut fields);
+    let units = units(reader, &mut fields);
+    let action = if owner == "Deform" {
+        deform(reader, &mut fields, &mut clock).map(Action::Deform)
+    } else {
+        wrinkle(reader, &mut fields, &mut clock).map(|wrinkle| Action::Wrinkle(Box::new(wrinkle)))
+    };
+    duration(reader, &mut fields, &clock, scene);
+    reader.finish(fields);
+    out.push(Effect { action: action?, only, mask, units });
+    Some(())
 }
 
-fn stack(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, first: bool) -> Option<Vec<Effect>> {
+fn stack(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec<Effect>) -> Option<()> {
     const EXPECTED: &str = "`Stack([effect, ..])`";
     let items = match &node.body {
         Body::Tuple(inner) if inner.len() == 1 => reader.list(&inner[0], EXPECTED)?,
@@ -186,20 +199,16 @@ fn stack(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, first: bool) -
     if items.is_empty() {
         return reader.bad(node, "a stack needs at least one effect");
     }
-    let mut first = first;
-    reader.each(items, |reader, item| {
-        let effect = effect(reader, item, scene, first);
-        first = false;
-        effect
-    })
+    reader.each(items, |reader, item| effect(reader, item, scene, out)).map(drop)
 }
 
 /// The fields that every effect begins with.
-fn common(reader: &mut Reader<'_>, fields: &mut Fields<'_>, scene: &mut Scene, first: bool) {
+fn common(reader: &mut Reader<'_>, fields: &mut Fields<'_>, scene: &mut Scene) {
     // Newer versions were refused before.
     reader.field(fields, "version", FORMAT_VERSION, |reader, node| reader.count(node, 1));
     let span = fields.again("object").map(|node| node.span.clone());
     let object = reader.optional(fields, "object", object);
+    let first = !std::mem::replace(&mut scene.begun, true);
     match span {
         Some(span) if !first => {
             let message =

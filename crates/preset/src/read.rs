@@ -4,29 +4,42 @@
 //! reading goes on with a default, so that one run finds all that is wrong. Whoever calls [`Reader::into_result`]
 //! never sees a value that stands in for a bad one.
 
+mod keyed;
 mod values;
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 pub(crate) use values::Within;
 
-use crate::error::{PresetError, PresetErrorKind, PresetErrors, escape, line_column, nearest, one_of};
+use crate::error::{PresetError, PresetErrorKind, PresetErrors, escape, nearest, one_of};
 use crate::later;
 use crate::limits::Limits;
+use crate::places::Places;
+use crate::scope::{Named, Place};
 use crate::tree::{Body, Entry, Name, Node};
 
-/// Errors after this many are not noted; nobody reads them.
-const MAX_ERRORS: usize = 32;
+/// Errors after this many are not noted, nor are warnings; nobody reads them.
+const MOST_NOTED: usize = 32;
+
+/// Control points that the checks of curves look at, some 4 µs each; then the rest goes unchecked. Presets that somebody wrote need
+/// far fewer, and what is refused here does no harm to the engine.
+const MOST_LOOKS: u64 = 1 << 19;
 
 /// Where a reader stands, and what it has found wrong.
 pub(crate) struct Reader<'s> {
     source: &'s str,
+    places: Places<'s>,
     /// Bytes of the file before `source`: a byte order mark.
     offset: usize,
     path: Vec<String>,
     errors: Vec<PresetError>,
     warnings: Vec<PresetError>,
     pub(crate) limits: Limits,
+    /// Bytes that generated wires would have if they were typed.
+    pub(crate) generated: u64,
+    /// Control points that checks of curves may still look at.
+    looks: u64,
 }
 
 /// The fields of one named struct while they are read.
@@ -53,7 +66,17 @@ impl<'n> Fields<'n> {
 impl<'s> Reader<'s> {
     /// A reader of `source`, which begins `offset` bytes into its file.
     pub(crate) fn new(source: &'s str, offset: usize, limits: Limits) -> Self {
-        Self { source, offset, path: Vec::new(), errors: Vec::new(), warnings: Vec::new(), limits }
+        Self {
+            source,
+            places: Places::new(source),
+            offset,
+            path: Vec::new(),
+            errors: Vec::new(),
+            warnings: Vec::new(),
+            limits,
+            generated: 0,
+            looks: MOST_LOOKS,
+        }
     }
 
     /// The value and the warnings, or the errors.
@@ -75,13 +98,29 @@ impl<'s> Reader<'s> {
     fn describe(
         &self,
         kind: PresetErrorKind,
-        span: Range<usize>,
+        span: &Range<usize>,
         message: String,
         help: Option<String>,
     ) -> PresetError {
-        let (line, column) = line_column(self.source, span.start);
+        self.place(span).error(kind, message, help)
+    }
+
+    /// The place of `span` in the file.
+    fn place(&self, span: &Range<usize>) -> Place {
+        let (line, column) = self.places.line_column(span.start);
         let span = span.start + self.offset..span.end + self.offset;
-        PresetError { message, span, line, column, help, path: self.path.concat(), kind }
+        Place { span, line, column, path: self.path.concat() }
+    }
+
+    /// A name that is looked up later.
+    pub(crate) fn named(&self, name: &str, span: &Range<usize>) -> Named {
+        Named::at(name, self.place(span))
+    }
+
+    /// Takes looks at so many control points from those that are left; none where there are too few.
+    pub(crate) fn look(&mut self, points: usize) -> Option<()> {
+        self.looks = self.looks.checked_sub(points as u64)?;
+        Some(())
     }
 
     /// Notes an error.
@@ -92,8 +131,8 @@ impl<'s> Reader<'s> {
         message: impl Into<String>,
         help: Option<String>,
     ) {
-        if self.errors.len() < MAX_ERRORS {
-            self.errors.push(self.describe(kind, span.clone(), message.into(), help));
+        if self.errors.len() < MOST_NOTED {
+            self.errors.push(self.describe(kind, span, message.into(), help));
         }
     }
 
@@ -105,8 +144,10 @@ impl<'s> Reader<'s> {
 
     /// Notes what works but is hardly meant.
     pub(crate) fn warn(&mut self, span: &Range<usize>, message: impl Into<String>) {
-        let warning = self.describe(PresetErrorKind::Value, span.clone(), message.into(), None);
-        self.warnings.push(warning);
+        if self.warnings.len() < MOST_NOTED {
+            let warning = self.describe(PresetErrorKind::Value, span, message.into(), None);
+            self.warnings.push(warning);
+        }
     }
 
     /// Notes that `node` is of another type than expected, and gives `None`.
@@ -165,8 +206,9 @@ impl<'s> Reader<'s> {
             },
             _ => return self.mismatch(node, &format!("`{owner}(field: value, ..)`")),
         };
-        for (i, entry) in entries.iter().enumerate() {
-            if entries[..i].iter().any(|before| before.key.text == entry.key.text) {
+        let mut before = BTreeSet::new();
+        for entry in entries {
+            if !before.insert(&entry.key.text) {
                 let message = format!("the field `{}` stands here twice", escape(&entry.key.text));
                 self.error(PresetErrorKind::Name, &entry.key.span, message, None);
             }
@@ -232,10 +274,8 @@ impl<'s> Reader<'s> {
                 self.within(field.key, |reader| later::check(reader, field, node));
             }
         }
-        for entry in fields.entries {
-            if fields.known.contains(&entry.key.text.as_str()) {
-                continue;
-            }
+        let unknown = fields.entries.iter().filter(|entry| !fields.known.contains(&entry.key.text.as_str()));
+        for entry in unknown.take(MOST_NOTED) {
             let help = nearest(&entry.key.text, fields.known.iter().copied())
                 .map(|near| format!("did you mean `{near}`?"));
             let message = format!(

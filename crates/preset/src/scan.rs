@@ -1,9 +1,12 @@
 //! The places of values in text that `ron` has accepted.
 
+mod brackets;
+mod number;
+
 use std::ops::Range;
 
-use crate::error::{PresetErrorKind, escape, line_column};
-use crate::syntax::Fault;
+use self::number::number;
+use crate::error::escape;
 use crate::tree::{Body, Entry, Name, Node};
 
 /// How deep values may be nested. `ron`'s own limit; a preset needs about ten.
@@ -106,74 +109,6 @@ impl<'s> Scan<'s> {
             }
             self.eat(']');
             self.space();
-        }
-    }
-
-    /// Checks the depth of brackets and that each is closed, before `ron` recurses into them, and leaves the
-    /// cursor at the start. What is wrong with brackets is best said at the one that opens.
-    pub(crate) fn brackets(&mut self) -> Result<(), Fault> {
-        let mut open: Vec<(char, usize)> = Vec::new();
-        let mut ended = true;
-        while let Some(c) = self.peek() {
-            match c {
-                '(' | '[' | '{' => {
-                    open.push((c, self.at));
-                    self.at += 1;
-                    if open.len() > MAX_DEPTH {
-                        return Err(Fault {
-                            message: format!(
-                                "values are nested more than {MAX_DEPTH} deep; no flag raises this"
-                            ),
-                            span: self.at - 1..self.at,
-                            kind: PresetErrorKind::Limit,
-                            help: None,
-                        });
-                    }
-                }
-                ')' | ']' | '}' => {
-                    let opener = matching(c);
-                    match open.pop() {
-                        Some((last, _)) if last == opener => {}
-                        Some((last, at)) => return Err(self.unclosed(last, at)),
-                        // `ron` says what it makes of a bracket too many.
-                        None => {
-                            ended = false;
-                            break;
-                        }
-                    }
-                    self.at += 1;
-                }
-                '"' | 'r' | 'b' if self.text_prefix().is_some() => {
-                    if self.text().is_none() {
-                        ended = false;
-                        break;
-                    }
-                }
-                '\'' => self.character(),
-                '/' if self.rest().starts_with("//") || self.rest().starts_with("/*") => self.space(),
-                _ if is_word(c) => self.at = self.token_end(),
-                _ => self.at += c.len_utf8(),
-            }
-        }
-        let fault = open.pop().filter(|_| ended).map(|(last, at)| self.unclosed(last, at));
-        self.at = 0;
-        fault.map_or(Ok(()), Err)
-    }
-
-    fn unclosed(&self, opener: char, at: usize) -> Fault {
-        let closer = match opener {
-            '(' => ')',
-            '[' => ']',
-            _ => '}',
-        };
-        let (span, token) = self.token();
-        let found = if self.at_end() { "the preset ends".to_owned() } else { format!("found `{token}`") };
-        let (line, column) = line_column(self.source, at);
-        Fault {
-            message: format!("expected `{closer}`, {found}"),
-            span,
-            kind: PresetErrorKind::Syntax,
-            help: Some(format!("the `{opener}` at line {line}, column {column} is not closed")),
         }
     }
 
@@ -358,14 +293,6 @@ impl<'s> Scan<'s> {
     }
 }
 
-fn matching(closer: char) -> char {
-    match closer {
-        ')' => '(',
-        ']' => '[',
-        _ => '{',
-    }
-}
-
 /// What may stand in a name or a number.
 pub(crate) fn is_word(c: char) -> bool {
     c.is_alphanumeric() || matches!(c, '_' | '.' | '+' | '-')
@@ -374,61 +301,4 @@ pub(crate) fn is_word(c: char) -> bool {
 /// `ron`'s white space, which is not quite Unicode's.
 fn is_space(c: char) -> bool {
     matches!(c, ' ' | '\t'..='\r' | '\u{85}' | '\u{200e}' | '\u{200f}' | '\u{2028}' | '\u{2029}')
-}
-
-/// Reads a number. Plain decimals, nearly all there are, need no second reader; suffixes, underscores and other
-/// bases are `ron`'s.
-fn number(text: &str) -> Body {
-    let plain = text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b'e' | b'E'));
-    if plain && let Ok(value) = text.parse() {
-        return Body::Number { value, integer: text.parse().ok() };
-    }
-    match ron::from_str::<ron::Value>(text) {
-        Ok(ron::Value::Number(number)) => {
-            Body::Number { value: number.into_f64(), integer: ron::from_str::<u64>(text).ok() }
-        }
-        _ => Body::Other("no number"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_read_as_ron_reads_them() {
-        for text in [
-            "0",
-            "+1",
-            "1.",
-            ".5",
-            "-.5e3",
-            "1e-400",
-            "1e400",
-            "0.1",
-            "16777217",
-            "123456789012345678901234567890",
-            "18446744073709551615",
-            "18446744073709551616",
-            "1_000",
-            "0x1F",
-            "0b101",
-            "0o17",
-            "1f32",
-            "0.1f64",
-            "7u8",
-            "b'a'",
-            "-7i64",
-            "3.4028236e38",
-            "1e39",
-        ] {
-            let Ok(expected) = ron::from_str::<f64>(text) else { continue };
-            let Body::Number { value, integer } = number(text) else { panic!("{text} is a number") };
-            assert_eq!(value.to_bits(), expected.to_bits(), "{text}");
-            assert_eq!(integer, ron::from_str::<u64>(text).ok(), "{text}");
-        }
-        for text in ["1..2", "1-2", "--1", "1.2.3", "e", "-"] {
-            assert!(matches!(number(text), Body::Other(_)), "{text}");
-        }
-    }
 }

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use crate::error::{PresetErrorKind, byte_at, escape};
+use crate::error::{PresetErrorKind, escape};
+use crate::places::byte_at;
 use crate::scan::{Scan, is_word};
 
 /// Why a text is no tree: what, where, and of which kind.

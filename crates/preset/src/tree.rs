@@ -70,6 +70,12 @@ impl Node {
         }
     }
 
+    /// The field `key` of named fields.
+    pub(crate) fn field(&self, key: &str) -> Option<&Self> {
+        let Body::Fields(entries) = &self.body else { return None };
+        entries.iter().find(|entry| entry.key.text == key).map(|entry| &entry.value)
+    }
+
     /// The name, where there is one.
     pub(crate) fn name(&self) -> Option<&str> {
         self.name.as_ref().map(|name| name.text.as_str())

@@ -1,12 +1,11 @@
 //! \[SF98\] §5.1 as a preset: `Wrinkle(pattern: Drawn([..]), thickness: .., ..)`.
 
-use wirework_core::Curve;
+use wirework_core::{Curve, Keyed};
 use wirework_wrinkle::Wrinkle;
 
 use crate::curve::curve;
 use crate::deform::blend;
 use crate::later;
-use crate::object::{direction, size};
 use crate::preset::Clock;
 use crate::read::{Fields, Reader, Within};
 use crate::tree::Body;
@@ -23,29 +22,33 @@ pub(crate) fn wrinkle(
     let number = |reader: &mut Reader<'_>, fields: &mut Fields<'_>, key, default| {
         reader.field(fields, key, default, |reader, node| reader.number(node, Within::Unit))
     };
-    let keyed = |reader: &mut Reader<'_>, fields: &mut Fields<'_>, key, default, within| {
-        reader.field(fields, key, default, |reader, node| reader.keyed_number(node, within))
+    let keyed = |reader: &mut Reader<'_>, fields: &mut Fields<'_>, key, default: &Keyed<f32>, within| {
+        reader.field(fields, key, default.clone(), |reader, node| reader.keyed_number(node, within))
     };
-    let wrinkle = Wrinkle {
-        pattern: rest.pattern,
-        thickness: keyed(reader, fields, "thickness", rest.thickness, Within::Positive),
-        intensity: keyed(reader, fields, "intensity", rest.intensity, Within::Finite),
-        stiffness: number(reader, fields, "stiffness", rest.stiffness),
-        resistance: number(reader, fields, "resistance", rest.resistance),
-        propagation: keyed(reader, fields, "propagation", rest.propagation, Within::Unit),
-        randomness: number(reader, fields, "randomness", rest.randomness),
-        seed: reader.field(fields, "seed", rest.seed, |reader, node| reader.count(node, 0)),
-        blend: reader.field(fields, "blend", rest.blend, blend),
-    };
-    let Wrinkle { thickness, intensity, propagation, .. } = &wrinkle;
-    for track in [thickness, intensity, propagation] {
+    let thickness = keyed(reader, fields, "thickness", &rest.thickness, Within::Positive);
+    let intensity = keyed(reader, fields, "intensity", &rest.intensity, Within::Finite);
+    let stiffness = number(reader, fields, "stiffness", rest.stiffness);
+    let resistance = number(reader, fields, "resistance", rest.resistance);
+    let propagation = keyed(reader, fields, "propagation", &rest.propagation, Within::Unit);
+    for track in [&thickness, &intensity, &propagation] {
         clock.track(track);
     }
-    for (key, track) in [("intensity", intensity), ("propagation", propagation)] {
+    for (key, track) in [("intensity", &intensity), ("propagation", &propagation)] {
         if let Some(node) = fields.again(key).filter(|_| track.values().all(|&value| value == 0.0)) {
             reader.within(key, |reader| reader.warn(&node.span, format!("with `{key}` 0 nothing moves")));
         }
     }
+    let wrinkle = Wrinkle {
+        pattern: rest.pattern,
+        thickness,
+        intensity,
+        stiffness,
+        resistance,
+        propagation,
+        randomness: number(reader, fields, "randomness", rest.randomness),
+        seed: reader.field(fields, "seed", rest.seed, |reader, node| reader.count(node, 0)),
+        blend: reader.field(fields, "blend", rest.blend, blend),
+    };
     curves.map(|_| wrinkle)
 }
 
@@ -53,8 +56,8 @@ pub(crate) fn wrinkle(
 /// drawn, so that here these fields do nothing.
 fn unused_by_drawn(reader: &mut Reader<'_>, fields: &mut Fields<'_>) {
     let center = reader.field(fields, "center", [0.0; 3], Reader::point) == [0.0; 3];
-    let along = reader.field(fields, "direction", [1.0, 0.0, 0.0], direction) == [1.0, 0.0, 0.0];
-    let size = reader.field(fields, "size", [1.0; 2], size) == [1.0; 2];
+    let along = reader.field(fields, "direction", [1.0, 0.0, 0.0], Reader::direction) == [1.0, 0.0, 0.0];
+    let size = reader.field(fields, "size", [1.0; 2], Reader::size) == [1.0; 2];
     let creases = reader.field(fields, "creases", 5, |reader, node| reader.count(node, 1)) == 5;
     for (key, default) in [("center", center), ("direction", along), ("size", size), ("creases", creases)] {
         if let Some(node) = fields.again(key).filter(|_| !default) {

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use wirework_core::{Binding, Blend, Wire};
-use wirework_preset::{Effect, Limits, parse};
+use wirework_core::{Binding, Blend, LatticeBinding, Wire};
+use wirework_preset::{Action, Limits, parse};
 use wirework_surface::Mesh;
 use wirework_wrinkle::{SurfaceView, creases};
 
@@ -12,11 +12,16 @@ fn run(name: &str, times: &[f64]) -> (Mesh, Vec<Vec<[f32; 3]>>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets").join(name);
     let preset = parse(&std::fs::read(path).expect("a preset"), &Limits::default()).expect("good").preset;
     let mesh = preset.object.expect("an object").build().expect("a mesh").expect("no file");
-    let at: Box<dyn Fn(f64) -> (Vec<Wire>, Blend)> = match preset.effect {
-        Effect::Deform(deform) => Box::new(move |seconds| {
+    let [effect] = preset.effects.as_slice() else { panic!("{name} is a stack") };
+    let lattice = match &effect.action {
+        Action::Deform(deform) => deform.lattice,
+        Action::Wrinkle(_) => None,
+    };
+    let at: Box<dyn Fn(f64) -> (Vec<Wire>, Blend)> = match effect.action.clone() {
+        Action::Deform(deform) => Box::new(move |seconds| {
             (deform.wires.iter().map(|wire| wire.at(seconds)).collect(), deform.blend)
         }),
-        Effect::Wrinkle(settings) => {
+        Action::Wrinkle(settings) => {
             let triangles = mesh.triangles().expect("triangles");
             let surface = SurfaceView { positions: &mesh.positions, triangles: &triangles };
             let creases = creases(&surface, &settings).expect("creases");
@@ -26,14 +31,18 @@ fn run(name: &str, times: &[f64]) -> (Mesh, Vec<Vec<[f32; 3]>>) {
                 (wires, creases.blend())
             })
         }
-        Effect::Stack(_) => panic!("no preset is a stack yet"),
     };
     let mut frames = Vec::new();
     for &seconds in times {
         let (wires, blend) = at(seconds);
-        let mut binding = Binding::new(&wires, &mesh.positions).expect("a binding");
-        let mut out = mesh.positions.clone();
+        let mut out = lattice.map_or_else(|| mesh.positions.clone(), |lattice| lattice.points());
+        let mut binding = Binding::new(&wires, &out).expect("a binding");
         binding.deform_into(&wires, &blend, &mut out).expect("a deformation");
+        if let Some(lattice) = lattice {
+            let controls = std::mem::replace(&mut out, mesh.positions.clone());
+            let bound = LatticeBinding::new(&lattice, &mesh.positions, None).expect("a binding");
+            bound.deform_into(&controls, &mut out).expect("a deformation");
+        }
         frames.push(out);
     }
     (mesh, frames)
@@ -55,6 +64,11 @@ fn presets_begin_at_rest_and_move_what_they_say() {
         ("deform/cross.ron", 2.5, 0.7, 0.8),
         ("deform/bulge.ron", 1.0, 0.1, 0.25),
         ("deform/arm.ron", 0.5, 0.3, 0.7),
+        ("deform/domain.ron", 2.0, 0.4, 0.5),
+        ("deform/direction.ron", 1.5, 0.1, 0.18),
+        ("deform/hairpin.ron", 1.0, 0.2, 0.4),
+        ("deform/lattice.ron", 1.0, 1.0, 1.6),
+        ("deform/wirelattice.ron", 2.0, 0.2, 1.1),
         ("wrinkle/forehead.ron", 1.5, 0.02, 0.06),
         ("wrinkle/sleeve.ron", 1.5, 0.07, 0.085),
     ] {

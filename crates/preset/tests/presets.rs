@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use wirework_preset::{Limits, parse};
+use wirework_preset::{Limits, PresetErrorKind, parse};
 
 fn presets() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets");
@@ -35,5 +35,49 @@ fn the_readme_names_every_preset() {
     for path in presets() {
         let name = path.file_name().expect("a name").to_string_lossy();
         assert!(text.contains(name.as_ref()), "{name}");
+    }
+}
+
+/// The names of the fields that a struct in a preset has, found by asking for one that it has not.
+fn fields(text: &str) -> Vec<String> {
+    let errors = parse(text.as_bytes(), &Limits::default()).expect_err("no field `nowhere`");
+    let error = errors.errors().iter().find(|error| error.message.contains("has no field `nowhere`"));
+    let error = error.unwrap_or_else(|| panic!("{text}\n{errors}"));
+    assert_eq!(error.kind, PresetErrorKind::Name);
+    error.message.split('`').skip(5).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_readme_names_every_field() {
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets/README.md");
+    let text = std::fs::read_to_string(readme).expect("the README");
+    let wire = |inside: &str| format!("Deform(wires: [Wire(curve: Polyline([(0, 0, 0)]), {inside})])");
+    let object = |object: &str| format!("Deform(object: {object}, wires: [])");
+    for preset in [
+        "Deform(nowhere: 1)".to_owned(),
+        "Wrinkle(nowhere: 1)".to_owned(),
+        "Deform(blend: Blend(nowhere: 1))".to_owned(),
+        "Deform(lattice: Lattice(nowhere: 1))".to_owned(),
+        "Deform(wires: [WireLattice(nowhere: 1)])".to_owned(),
+        "Deform(wires: [WireLattice(moves: [Move(nowhere: 1)])])".to_owned(),
+        wire("nowhere: 1"),
+        wire("domains: [Domain(nowhere: 1)]"),
+        wire("locators: [Locator(nowhere: 1)]"),
+        "Deform(wires: [Wire(curve: BSpline(nowhere: 1))])".to_owned(),
+        object("Grid(nowhere: 1)"),
+        object("Tube(nowhere: 1)"),
+        object("Sphere(nowhere: 1)"),
+        object("Box(nowhere: 1)"),
+        object("Patch(nowhere: 1)"),
+    ] {
+        let fields = fields(&preset);
+        assert!(fields.len() >= 3, "{preset}");
+        for field in fields {
+            // In backquotes, alone or within a value.
+            let mut quoted = text.split('`').skip(1).step_by(2);
+            let whole =
+                |code: &str| code.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == field);
+            assert!(quoted.any(whole), "`{field}` of {preset}");
+        }
     }
 }

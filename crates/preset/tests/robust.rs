@@ -35,6 +35,13 @@ const TOKENS: &[&str] = &[
     "Some",
     "None",
     "Locator",
+    "Domain",
+    "WireLattice",
+    "Move",
+    "Lattice",
+    "Blended",
+    "Nodes",
+    "Image",
     "BSpline",
     "Grid",
     "(",
@@ -82,6 +89,11 @@ const TOKENS: &[&str] = &[
     "points:",
     "object:",
     "radius:",
+    "reference:",
+    "direction:",
+    "moves:",
+    "lines:",
+    "only:",
     "version:",
     "é",
     "🦀",
@@ -182,4 +194,32 @@ fn a_large_preset_takes_a_moment_only() {
     // Some 0.1 s here; more than linear time would be minutes.
     println!("{} bytes in {:?}", text.len(), start.elapsed());
     assert!(start.elapsed().as_secs() < 10);
+}
+
+/// `count` pieces of a preset; `#` becomes the number of each.
+fn repeated(piece: &str, count: usize) -> String {
+    (0..count).map(|i| piece.replace('#', &i.to_string())).collect()
+}
+
+#[test]
+fn much_of_anything_takes_a_moment_only() {
+    for (before, piece, after) in [
+        ("Deform(", "a#: 0,", ")"),
+        ("Deform(", "a: 0,", ")"),
+        ("Deform(only: Nodes([", "\"#\",", "]))"),
+        ("Deform(only: Nodes([", "\"a\",", "]))"),
+        ("Deform(wires: [", "Wire(curve: Polyline([(0, 0, 0)]), group: \"#\"),", "])"),
+        ("Deform(wires: [Wire(curve: Polyline([(0, 0, 0)]), locators: [", "Locator(u: 0),", "])])"),
+        ("Deform(wires: [Wire(curve: Polyline([", "(0, true, 0),", "]))])"),
+    ] {
+        let text = format!("{before}{}{after}", repeated(piece, 40_000));
+        let start = std::time::Instant::now();
+        let noted = match parse(text.as_bytes(), &Limits::default()) {
+            Ok(parsed) => parsed.warnings.len(),
+            Err(errors) => errors.errors().len(),
+        };
+        // Some 0.2 s here without optimization; where time is quadratic, more than 10 s.
+        assert!(start.elapsed().as_secs() < 5, "{piece}: {:?}", start.elapsed());
+        assert!(noted <= 32, "{piece}: {noted}");
+    }
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use wirework_preset::{Limits, PresetErrorKind, TEMPLATES, TemplateError, parse, template};
 
 /// Fields that a template shows with an example in place of their default.
-const EXAMPLES: [&str; 8] =
-    ["object", "wires", "curve", "points", "pose", "pattern", "locators", "propagation"];
+const EXAMPLES: [&str; 9] =
+    ["object", "wires", "curve", "points", "pose", "pattern", "locators", "domains", "propagation"];
 
 /// Byte offsets after the `(` of every struct with named fields, found by asking: a field that exists nowhere is
 /// named in an error, together with all fields that do.
@@ -119,6 +119,31 @@ fn a_default_that_is_shown_is_the_default() {
             start = end;
         }
         assert!(checked > 15, "{name}: only {checked} defaults were checked");
+    }
+}
+
+#[test]
+fn lattices_in_comments_run_and_are_shown_whole() {
+    let text = template("deform").unwrap();
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let start = lines.iter().position(|line| *line == "//     WireLattice(").expect("a lattice of wires");
+    let end = start + lines[start..].iter().position(|line| *line == "//     )").expect("its end");
+    let wires: Vec<&str> = lines[start..=end].iter().map(|line| &line[2..]).collect();
+    let wires = wires.join("\n");
+    let line = lines.iter().find_map(|line| line.strip_prefix("// Lattice(")).expect("a lattice");
+    let lattice = format!("Lattice({}", line.split(": the wires").next().unwrap_or(""));
+    let preset = format!("Deform(wires: [{wires}], lattice: {lattice})");
+    let parsed = parse(preset.as_bytes(), &Limits::default()).unwrap_or_else(|e| panic!("{preset}\n{e}"));
+    assert_eq!(parsed.warnings, []);
+    for owner in ["WireLattice(", "Move(", "Lattice(min: (-2"] {
+        let own = preset.replacen(owner, &owner.replacen('(', "(nowhere: 1, ", 1), 1);
+        let errors = parse(own.as_bytes(), &Limits::default()).unwrap_err();
+        let message = errors.errors()[0].message.clone();
+        for field in message.split('`').skip(5).step_by(2) {
+            // What it has in common with a wire stands there.
+            let shown = preset.contains(&format!("{field}: ")) || text.contains(&format!(" {field}: "));
+            assert!(shown, "{owner} {field}");
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 use std::path::Path;
 
 use wirework_core::{Bend, Blend, Correspondence, Curve, CurveKind, Density, Interpolation, Wire};
-use wirework_preset::{Deform, Effect, Limits, Object, Parsed, Preset, Shape, parse};
+use wirework_preset::{Action, Deform, Limits, Object, Parsed, PatchDeform, Preset, Shape, parse};
 use wirework_surface::VertexMesh;
 
 fn parsed(text: &str) -> Parsed {
@@ -16,9 +16,9 @@ fn preset(text: &str) -> Preset {
 }
 
 fn deform(text: &str) -> Deform {
-    match preset(text).effect {
-        Effect::Deform(deform) => deform,
-        other => panic!("{other:?}"),
+    match preset(text).effects.remove(0).action {
+        Action::Deform(deform) => deform,
+        Action::Wrinkle(other) => panic!("{other:?}"),
     }
 }
 
@@ -74,12 +74,12 @@ fn objects_have_the_documented_defaults() {
     );
     let Shape::Tube { caps, .. } = shape("Tube(from: (0, 0, 0), to: (1, 0, 0), radius: 1)") else { panic!() };
     assert!(caps);
-    let Shape::Patch { patch, tessellation } =
+    let Shape::Patch { patch, tessellation, deform } =
         shape("Patch(points: [[(0, 0, 0), (1, 0, 0)], [(0, 1, 0), (1, 1, 0)]])")
     else {
         panic!()
     };
-    assert_eq!((patch.size(), tessellation), ([2, 2], [32, 32]));
+    assert_eq!((patch.size(), tessellation, deform), ([2, 2], [32, 32], PatchDeform::Points));
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn duration_and_animation() {
     ])";
     let stack = preset(stack);
     assert_eq!((stack.duration, stack.animated, stack.object.is_some()), (4.0, true, true));
-    assert!(matches!(stack.effect, Effect::Stack(effects) if effects.len() == 2));
+    assert_eq!(stack.effects.len(), 2);
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn ron_in_its_variants() {
         assert_eq!((found.radius, found.reference.points()), (2.0, expected.reference.points()), "{text}");
     }
     let other = "Wrinkle(pattern: Drawn([CatmullRom(points: [(0, 0, 0)], closed: true), Bezier([(0, 0, 0)])]), seed: 18446744073709551615)";
-    assert!(matches!(preset(other).effect, Effect::Wrinkle(_)));
+    assert!(matches!(preset(other).effects[0].action, Action::Wrinkle(_)));
     let file = object(r##"File(r#"a"b.glb"#)"##);
     assert_eq!(file.shape, Shape::File("a\"b.glb".into()));
     assert_eq!(object(r#"File("\u{e9}\t.glb")"#).shape, Shape::File("é\t.glb".into()));

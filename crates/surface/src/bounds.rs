@@ -12,11 +12,12 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box round `points`; `None` without points. Coordinates that are NaN are passed over.
+    /// The box round those of `points` whose coordinates are all finite; `None` without any.
     pub fn of(points: &[[f32; 3]]) -> Option<Self> {
-        let (&first, rest) = points.split_first()?;
+        let mut finite = points.iter().filter(|point| point.iter().all(|c| c.is_finite()));
+        let &first = finite.next()?;
         let mut bounds = Self { min: first, max: first };
-        for point in rest {
+        for point in finite {
             for (axis, c) in point.iter().enumerate() {
                 bounds.min[axis] = bounds.min[axis].min(*c);
                 bounds.max[axis] = bounds.max[axis].max(*c);
@@ -53,10 +54,12 @@ mod tests {
 
     #[test]
     fn bounds_hold_every_point() {
-        let bounds = Bounds::of(&[[1.0, 5.0, -1.0], [-2.0, 3.0, 0.0], [0.0, 7.0, 2.0]]).unwrap();
+        let nowhere = [f32::INFINITY, 9.0, f32::NAN];
+        let bounds =
+            Bounds::of(&[nowhere, [1.0, 5.0, -1.0], [-2.0, 3.0, 0.0], nowhere, [0.0, 7.0, 2.0]]).unwrap();
         assert_eq!((bounds.min, bounds.max), ([-2.0, 3.0, -1.0], [1.0, 7.0, 2.0]));
         assert_eq!((bounds.center(), bounds.size()), ([-0.5, 5.0, 0.5], [3.0, 4.0, 3.0]));
         assert_eq!((bounds.largest_side(), bounds.diagonal()), (4.0, 34.0_f32.sqrt()));
-        assert_eq!(Bounds::of(&[]), None);
+        assert!(Bounds::of(&[]).is_none() && Bounds::of(&[nowhere]).is_none());
     }
 }

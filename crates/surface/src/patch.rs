@@ -5,6 +5,7 @@
 //! points are deformed, or the control points are and the surface is evaluated from them.
 
 use glam::DVec3;
+use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::primitives::MAX_VERTICES;
@@ -63,12 +64,12 @@ pub enum PatchError {
         /// What was asked for.
         cells: [u32; 2],
     },
-    /// A net has another number of control points than the patch it stands for.
-    #[error("the patch has {expected} control points, the net {found}")]
+    /// A net has another number of control points than the patch it stands for, or a buffer of vertices.
+    #[error("the patch has {expected} points, the list {found}")]
     NetSize {
-        /// Points of the patch.
+        /// Control points or vertices of the patch.
         expected: usize,
-        /// Points of the net.
+        /// Points of the list.
         found: usize,
     },
 }
@@ -156,6 +157,27 @@ impl Patch {
         Ok(Tessellation { patch: self, cells, bases })
     }
 
+    /// The control net as a mesh: a vertex a control point, in their order, and a quad between each four, facing as the patch
+    /// does. Without normals and texture coordinates.
+    pub fn net(&self) -> Mesh {
+        let mut mesh = Mesh { positions: self.points.clone(), ..Mesh::default() };
+        let corner = |p: u32| Corner { position: p, uv: None, normal: None };
+        quads(&mut mesh, self.size.map(|n| n as u32 - 1), corner);
+        mesh
+    }
+
+    /// The same patch on other control points, as many as it has and finite.
+    pub fn with_points(&self, points: Vec<[f32; 3]>) -> Result<Self, PatchError> {
+        let (expected, found) = (self.points.len(), points.len());
+        if expected != found {
+            return Err(PatchError::NetSize { expected, found });
+        }
+        if let Some(bad) = points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+            return Err(PatchError::NotFinite { row: bad / self.size[1], column: bad % self.size[1] });
+        }
+        Ok(Self { points, ..*self })
+    }
+
     /// The mesh of [`Patch::tessellation`] of the patch's own net: `(cells[0] + 1)(cells[1] + 1)` vertices.
     pub fn tessellate(&self, cells: [u32; 2]) -> Result<Mesh, PatchError> {
         self.tessellation(cells)?.mesh(&self.points)
@@ -207,6 +229,24 @@ impl Tessellation<'_> {
         Ok(())
     }
 
+    /// The positions alone, into a buffer of as many points as there are vertices; the same bits as
+    /// [`Tessellation::evaluate_into`] gives. A vertex none of whose control points has moved keeps its own. Uses rayon's current
+    /// pool; the result does not depend on its size.
+    pub fn positions_into(&self, net: &[[f32; 3]], out: &mut [[f32; 3]]) -> Result<(), PatchError> {
+        for (expected, found) in [(self.patch.points.len(), net.len()), (self.vertices(), out.len())] {
+            if expected != found {
+                return Err(PatchError::NetSize { expected, found });
+            }
+        }
+        let [across, along] = &self.bases;
+        out.par_chunks_mut(along.len()).zip(across).for_each(|(row, a)| {
+            for (slot, b) in row.iter_mut().zip(along) {
+                *slot = narrow(evaluate(net, self.patch.size[1], a, b)[0]);
+            }
+        });
+        Ok(())
+    }
+
     /// The mesh for a net.
     pub fn mesh(&self, net: &[[f32; 3]]) -> Result<Mesh, PatchError> {
         let mut mesh = Mesh::default();
@@ -217,15 +257,19 @@ impl Tessellation<'_> {
                 mesh.uvs.push([(f64::from(i) / f64::from(nu)) as f32, (f64::from(j) / f64::from(nv)) as f32]);
             }
         }
-        for i in 0..nu {
-            for j in 0..nv {
-                let a = i * (nv + 1) + j;
-                let corners = [a, a + nv + 1, a + nv + 2, a + 1];
-                mesh.corners.extend(corners.map(|p| Corner { position: p, uv: Some(p), normal: Some(p) }));
-                mesh.face_ends.push(mesh.corners.len() as u32);
-            }
-        }
+        quads(&mut mesh, self.cells, |p| Corner { position: p, uv: Some(p), normal: Some(p) });
         Ok(mesh)
+    }
+}
+
+/// Adds the faces of `nu · nv` quads on rows of vertices, facing `∂u × ∂v`.
+fn quads(mesh: &mut Mesh, [nu, nv]: [u32; 2], corner: impl Fn(u32) -> Corner) {
+    for i in 0..nu {
+        for j in 0..nv {
+            let a = i * (nv + 1) + j;
+            mesh.corners.extend([a, a + nv + 1, a + nv + 2, a + 1].map(&corner));
+            mesh.face_ends.push(mesh.corners.len() as u32);
+        }
     }
 }
 

@@ -115,6 +115,47 @@ fn a_changed_net_is_evaluated_anew() {
 }
 
 #[test]
+fn a_part_of_a_net_moves_its_part_of_the_surface_and_leaves_the_bits_of_the_rest() {
+    let patch = Patch::new([3, 2], &net(9, 7)).unwrap();
+    let tessellation = patch.tessellation([24, 20]).unwrap();
+    let rest = patch.tessellate([24, 20]).unwrap().positions;
+    let mut now = vec![[f32::NAN; 3]; rest.len()];
+    tessellation.positions_into(patch.points(), &mut now).unwrap();
+    assert_eq!(now, rest, "the positions of the mesh, bit for bit");
+
+    let mut net = patch.points().to_vec();
+    net[2 * 7 + 1][1] += 3.0;
+    tessellation.positions_into(&net, &mut now).unwrap();
+    let moved = patch.with_points(net.clone()).unwrap();
+    for (index, (now, rest)) in now.iter().zip(&rest).enumerate() {
+        // Six spans along u and five along v: point 2 is in the first three, point 1 in the first two.
+        let (u, v) = (index as f64 / 21.0, (index % 21) as f64 / 20.0);
+        let (u, outside) = (u.floor() / 24.0, (u.floor() / 24.0) >= 3.0 / 6.0 || v >= 2.0 / 5.0);
+        assert_eq!(*now, moved.point(u, v));
+        assert!(!outside || now.map(f32::to_bits) == rest.map(f32::to_bits), "u = {u}, v = {v}");
+    }
+    assert!(now.iter().zip(&rest).any(|(a, b)| a[1] > b[1] + 0.5));
+    let wrong = PatchError::NetSize { expected: 25 * 21, found: 3 };
+    assert_eq!(tessellation.positions_into(&net, &mut now[..3]), Err(wrong));
+    assert_eq!(patch.with_points(vec![]), Err(PatchError::NetSize { expected: 63, found: 0 }));
+    net[8][2] = f32::NAN;
+    assert_eq!(patch.with_points(net), Err(PatchError::NotFinite { row: 1, column: 1 }));
+}
+
+#[test]
+fn a_net_is_a_mesh_that_faces_as_its_patch_does() {
+    let patch = Patch::new([3, 3], &net(4, 5)).unwrap();
+    let net = patch.net();
+    assert!(net.check().is_ok());
+    assert_eq!((net.positions.as_slice(), net.face_ends.len()), (patch.points(), 3 * 4));
+    let at = |i: u32| wide(net.positions[i as usize]);
+    for t in net.triangles().unwrap() {
+        let facing = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
+        assert!(facing.dot(wide(patch.normal(0.5, 0.5))) > 0.0);
+    }
+}
+
+#[test]
 fn collapsed_sides_still_have_normals() {
     let mut rows = net(4, 4);
     rows[0] = vec![[0.0; 3]; 4];

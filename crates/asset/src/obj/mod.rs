@@ -3,6 +3,8 @@
 //! Groups, materials, comments, lines, points and whatever else a file holds stay byte for byte; material libraries
 //! are never opened.
 
+mod census;
+mod paint;
 mod read;
 mod write;
 
@@ -12,6 +14,7 @@ use wirework_surface::Mesh;
 
 use crate::error::Warning;
 
+pub use paint::ObjMembers;
 pub use write::write_obj;
 
 /// An OBJ file: its geometry, and its text for writing it back.

@@ -87,7 +87,7 @@ impl Obj {
 }
 
 /// Where the statement that starts at `at` ends, behind its line feed, and how many lines it has.
-fn statement_end(text: &[u8], at: usize) -> (usize, usize) {
+pub(super) fn statement_end(text: &[u8], at: usize) -> (usize, usize) {
     let (mut end, mut lines) = (at, 0);
     loop {
         let rest = &text[end..];

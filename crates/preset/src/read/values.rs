@@ -1,13 +1,8 @@
-//! Numbers, points, names, lists and what moves in time.
+//! Numbers, points, names and lists.
 
-use wirework_core::{Interpolate, Keyed};
-
-use super::{Reader, found};
-use crate::error::{PresetErrorKind, escape, nearest, one_of};
+use super::{Fields, Reader, found};
+use crate::error::{escape, one_of};
 use crate::tree::{Body, Node};
-
-/// The most degrees of an angle, some 2800 turns: there f32 still tells angles 0.06 degrees apart.
-const MOST_DEGREES: f32 = 1e6;
 
 /// The range a number must lie in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +15,8 @@ pub(crate) enum Within {
     NotNegative,
     /// 0 to 1.
     Unit,
+    /// 0 to less than 1.
+    BelowOne,
 }
 
 impl Within {
@@ -27,6 +24,7 @@ impl Within {
         x.is_finite()
             && match self {
                 Self::Finite => true,
+                Self::BelowOne => (0.0..1.0).contains(&x),
                 Self::Positive => x > 0.0,
                 Self::NotNegative => x >= 0.0,
                 Self::Unit => (0.0..=1.0).contains(&x),
@@ -39,6 +37,7 @@ impl Within {
             Self::Positive => "greater than 0",
             Self::NotNegative => "0 or greater",
             Self::Unit => "from 0 to 1",
+            Self::BelowOne => "from 0 to less than 1",
         }
     }
 }
@@ -62,7 +61,8 @@ impl Reader<'_> {
         let field = self.field_name();
         let shown = escape(self.source.get(node.span.clone()).unwrap_or(""));
         let range = if value.is_finite() { within } else { Within::Finite };
-        let be = if within == Within::Unit && value.is_finite() { "lie" } else { "be" };
+        let bounded = matches!(within, Within::Unit | Within::BelowOne);
+        let be = if bounded && value.is_finite() { "lie" } else { "be" };
         self.bad(node, format!("{field} must {be} {}, found {shown}", range.text()))
     }
 
@@ -99,6 +99,14 @@ impl Reader<'_> {
         }
     }
 
+    /// The degree of a B-spline `what`.
+    pub(crate) fn degree(&mut self, node: &Node, what: &str) -> Option<u8> {
+        match self.count(node, 1)? {
+            degree @ 1..=3 => u8::try_from(degree).ok(),
+            other => self.bad(node, format!("the degree of {what} is 1, 2 or 3, found {other}")),
+        }
+    }
+
     /// `true` or `false`.
     pub(crate) fn flag(&mut self, node: &Node) -> Option<bool> {
         match node.body {
@@ -113,6 +121,15 @@ impl Reader<'_> {
             Body::Text(text) => Some(text),
             _ => self.mismatch(node, &format!("{what} in quotes")),
         }
+    }
+
+    /// A path, not looked up; `what` it is of.
+    pub(crate) fn path<'n>(&mut self, node: &'n Node, what: &str) -> Option<&'n str> {
+        let path = self.text(node, what)?;
+        if path.is_empty() || path.contains('\0') {
+            return self.bad(node, "a path must not be empty or hold a zero character");
+        }
+        Some(path)
     }
 
     /// The `N` values of a tuple.
@@ -165,6 +182,33 @@ impl Reader<'_> {
         self.each(items, Self::point)
     }
 
+    /// A vector that is not 0.
+    pub(crate) fn direction(&mut self, node: &Node) -> Option<[f32; 3]> {
+        let vector = self.point(node)?;
+        if vector == [0.0; 3] { self.bad(node, "a direction must not be (0, 0, 0)") } else { Some(vector) }
+    }
+
+    /// Two lengths greater than 0.
+    pub(crate) fn size(&mut self, node: &Node) -> Option<[f32; 2]> {
+        let items: &[Node; 2] = self.tuple(node, "two lengths `(a, b)`")?;
+        self.each(items, |reader, item| reader.number(item, Within::Positive))?.try_into().ok()
+    }
+
+    /// The fields `min` and `max` of a box with a volume.
+    pub(crate) fn corners(&mut self, fields: &mut Fields<'_>) -> (Option<[f32; 3]>, Option<[f32; 3]>) {
+        let min = self.required(fields, "min", Self::point);
+        let max = self.required(fields, "max", |reader, node| {
+            let max = reader.point(node)?;
+            let flat = min.is_some_and(|min| min.iter().zip(&max).any(|(min, max)| max <= min));
+            if flat {
+                reader.bad(node, "`max` must be greater than `min` along each axis")
+            } else {
+                Some(max)
+            }
+        });
+        (min, max)
+    }
+
     /// One of some bare names.
     pub(crate) fn choice<T: Clone>(
         &mut self,
@@ -184,79 +228,5 @@ impl Reader<'_> {
                 None
             }
         }
-    }
-
-    /// A † value: `value`, `Keys([(seconds, value), ..])` or `Ease([..])`, each value through `read`.
-    pub(crate) fn keyed<'n, T: Interpolate>(
-        &mut self,
-        node: &'n Node,
-        what: &str,
-        mut read: impl FnMut(&mut Self, &'n Node) -> Option<T>,
-    ) -> Option<Keyed<T>> {
-        let Some(name) = &node.name else {
-            return read(self, node).map(Keyed::Constant);
-        };
-        let ease = match name.text.as_str() {
-            "Keys" => false,
-            "Ease" => true,
-            other => {
-                let help = nearest(other, ["Keys", "Ease"]).map(|near| format!("did you mean `{near}`?"));
-                let message = format!(
-                    "expected {what}, `Keys([(seconds, value), ..])` or `Ease([..])`, found `{}`",
-                    escape(other)
-                );
-                self.error(PresetErrorKind::Name, &name.span, message, help);
-                return None;
-            }
-        };
-        let items = match &node.body {
-            Body::Tuple(inner) if inner.len() == 1 => {
-                self.list(&inner[0], "a list of keys `[(seconds, value), ..]`")?
-            }
-            _ => return self.mismatch(node, &format!("`{}([(seconds, value), ..])`", name.text)),
-        };
-        if items.is_empty() {
-            return self.bad(node, format!("`{}` needs at least one key", name.text));
-        }
-        let mut last: Option<f64> = None;
-        let keys = self.each(items, |reader, item| {
-            let [time, value]: &[Node; 2] = reader.tuple(item, "a key `(seconds, value)`")?;
-            let seconds = reader.seconds(time, Within::Finite);
-            let value = read(reader, value);
-            if let (Some(before), Some(now)) = (last, seconds)
-                && now <= before
-            {
-                return reader.bad(
-                    time,
-                    format!("a key must come after the one before, at {before} s; found {now} s"),
-                );
-            }
-            last = seconds.or(last);
-            Some((seconds?, value?))
-        })?;
-        match Keyed::keys(keys, ease) {
-            Ok(keyed) => Some(keyed),
-            Err(error) => self.bad(node, error.to_string()),
-        }
-    }
-
-    /// A † number.
-    pub(crate) fn keyed_number(&mut self, node: &Node, within: Within) -> Option<Keyed<f32>> {
-        self.keyed(node, "a number", |reader, value| reader.number(value, within))
-    }
-
-    /// A † angle, degrees as typed, radians as read.
-    pub(crate) fn keyed_degrees(&mut self, node: &Node) -> Option<Keyed<f32>> {
-        self.keyed(node, "a number of degrees", |reader, value| {
-            let degrees = reader.number(value, Within::Finite)?;
-            if degrees.abs() > MOST_DEGREES {
-                let field = reader.field_name();
-                let message =
-                    format!("{field} must be within {MOST_DEGREES} degrees either way, found {degrees}");
-                return reader.bad(value, message);
-            }
-            // In f64: 180 degrees are to be f32's π.
-            Some(f64::from(degrees).to_radians() as f32)
-        })
     }
 }

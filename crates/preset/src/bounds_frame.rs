@@ -1,0 +1,91 @@
+//! `units: Bounds`: positions in parts of the object's largest side, about its centre.
+
+use wirework_core::{Curve, Keyed, Lattice};
+use wirework_wrinkle::{Pattern, Wrinkle};
+
+use crate::deform::Deform;
+use crate::preset::{Action, Effect};
+use crate::scope::Units;
+
+/// Where the units of [`Units::Bounds`] lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundsFrame {
+    /// The centre of the object's box.
+    pub center: [f32; 3],
+    /// Its largest side, > 0.
+    pub size: f32,
+}
+
+impl Effect {
+    /// The effect in metres: with [`Units::Bounds`] each position `p` becomes `center + size·p` and each length is multiplied by
+    /// `size`; with [`Units::Metres`] nothing changes. Directions, angles, factors and exponents stay. What no float32
+    /// number holds becomes the nearest one, so that good values stay good; bad ones stay bad.
+    #[must_use]
+    pub fn placed(&self, frame: &BoundsFrame) -> Self {
+        if self.units == Units::Metres {
+            return self.clone();
+        }
+        let action = match &self.action {
+            Action::Deform(deform) => Action::Deform(Deform {
+                wires: deform.wires.iter().map(|wire| wire.placed(frame)).collect(),
+                blend: deform.blend,
+                lattice: deform.lattice.map(|lattice| Lattice {
+                    min: frame.point(lattice.min),
+                    max: frame.point(lattice.max),
+                    cells: lattice.cells,
+                }),
+            }),
+            Action::Wrinkle(wrinkle) => Action::Wrinkle(Box::new(frame.wrinkle(wrinkle))),
+        };
+        Self { action, only: self.only.clone(), mask: self.mask.clone(), units: Units::Metres }
+    }
+}
+
+impl BoundsFrame {
+    /// A position.
+    pub(crate) fn point(&self, point: [f32; 3]) -> [f32; 3] {
+        [0, 1, 2].map(|i| near(f64::from(self.center[i]) + f64::from(self.size) * f64::from(point[i])))
+    }
+
+    /// A difference of positions.
+    pub(crate) fn vector(&self, vector: [f32; 3]) -> [f32; 3] {
+        vector.map(|c| near(f64::from(self.size) * f64::from(c)))
+    }
+
+    /// A list of positions that moves.
+    pub(crate) fn points(&self, points: &Keyed<Vec<[f32; 3]>>) -> Keyed<Vec<[f32; 3]>> {
+        points.map(|points| points.iter().map(|point| self.point(*point)).collect())
+    }
+
+    /// A length that moves. One greater than 0 stays so.
+    pub(crate) fn lengths(&self, lengths: &Keyed<f32>) -> Keyed<f32> {
+        lengths.map(|&length| {
+            let placed = near(f64::from(self.size) * f64::from(length));
+            if length > 0.0 { placed.max(f32::MIN_POSITIVE) } else { placed }
+        })
+    }
+
+    /// A curve.
+    pub(crate) fn curve(&self, curve: &Curve) -> Curve {
+        let points = curve.points().iter().map(|point| self.point(*point)).collect();
+        curve.posed(points).unwrap_or_else(|_| curve.clone())
+    }
+
+    fn wrinkle(&self, wrinkle: &Wrinkle) -> Wrinkle {
+        let pattern = match &wrinkle.pattern {
+            Pattern::Drawn(curves) => Pattern::Drawn(curves.iter().map(|curve| self.curve(curve)).collect()),
+            other => other.clone(),
+        };
+        Wrinkle {
+            pattern,
+            thickness: self.lengths(&wrinkle.thickness),
+            intensity: self.lengths(&wrinkle.intensity),
+            ..wrinkle.clone()
+        }
+    }
+}
+
+/// The nearest finite float32 number; NaN and infinities are left to whoever refuses them.
+fn near(x: f64) -> f32 {
+    if x.is_finite() { (x as f32).clamp(f32::MIN, f32::MAX) } else { x as f32 }
+}

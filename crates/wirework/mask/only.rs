@@ -1,0 +1,176 @@
+//! `only`: the vertices of nodes, of materials, or bound to joints.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use wirework_asset::{Gltf, Obj, Rest, printable};
+use wirework_preset::{Named, Only};
+
+use super::refused;
+use crate::{ApplyError, Model, Subject};
+
+/// The factor of each point: the least of its vertices.
+///
+/// - `Nodes`: 1 at vertices of a mesh that a node of such a name shows, else 0. A node without a mesh stands for all below it.
+///   In an OBJ file, objects and groups are the nodes; without any, and in what a preset makes, there is one, with the name
+///   that it has when it is written as glTF.
+/// - `Materials`: 1 at vertices all of whose faces have such a material.
+/// - `Joints`: the sum of the vertex's normalised weights for these joints; 0 without a skin.
+///
+/// All that share a name are meant by it. In a glTF document a number that is no name is an index, of a node or a material: many
+/// have no names.
+pub(super) fn factors(
+    only: &Only,
+    subject: &Subject,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<f32>, ApplyError> {
+    let of_vertices = match &subject.model {
+        Model::Gltf { gltf, rest } => of_gltf(only, gltf, rest, warnings)?,
+        Model::Mesh { name, mesh, obj } => {
+            of_mesh(only, name, mesh.positions.len(), obj.as_deref(), warnings)?
+        }
+    };
+    if subject.net.is_some() {
+        // What a preset makes is one node: all of it or, above, an error.
+        return Ok(vec![1.0; subject.points.len()]);
+    }
+    let mut out = vec![1.0; subject.points.len()];
+    for (&point, factor) in subject.point_of.iter().zip(of_vertices) {
+        if let Some(slot) = out.get_mut(point as usize) {
+            *slot = factor.min(*slot);
+        }
+    }
+    Ok(out)
+}
+
+fn of_gltf(
+    only: &Only,
+    gltf: &Gltf,
+    rest: &Rest,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<f32>, ApplyError> {
+    match only {
+        Only::Nodes(_) => {
+            let table = Table::new((0..gltf.node_count()).map(|node| (gltf.node_name(node), node)));
+            let mut nodes = Vec::new();
+            for (named, list) in table.look_up(only)? {
+                let shown = gltf.mesh_nodes(&list);
+                if !rest.blocks.iter().any(|block| shown.binary_search(&block.node).is_ok()) {
+                    warnings.push(without(named, "shows no vertex of the scene"));
+                }
+                nodes.extend(shown);
+            }
+            Ok(ones(&gltf.vertices_of_nodes(rest, &nodes)))
+        }
+        Only::Materials(_) => {
+            let table = Table::new(
+                (0..gltf.material_count()).map(|material| (gltf.material_name(material), material)),
+            );
+            let mut materials = Vec::new();
+            for (named, list) in table.look_up(only)? {
+                if !rest
+                    .parts
+                    .iter()
+                    .any(|part| part.material.is_some_and(|material| list.contains(&material)))
+                {
+                    warnings.push(without(named, "is on no vertex of the scene"));
+                }
+                materials.extend(list);
+            }
+            Ok(ones(&gltf.vertices_of_materials(rest, &materials)?))
+        }
+        Only::Joints(_) => {
+            let table = Table::new(gltf.joint_nodes().into_iter().map(|node| (gltf.node_name(node), node)));
+            let found = table.look_up(only)?;
+            let joints: Vec<usize> = found.iter().flat_map(|(_, list)| list.iter().copied()).collect();
+            let weights = gltf.joint_weights(rest, &joints)?;
+            for (named, list) in found {
+                if !list.iter().any(|joint| weights.used.binary_search(joint).is_ok()) {
+                    warnings.push(without(named, "carries no vertex"));
+                }
+            }
+            Ok(weights.of_vertices)
+        }
+    }
+}
+
+fn of_mesh(
+    only: &Only,
+    name: &str,
+    count: usize,
+    obj: Option<&Obj>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<f32>, ApplyError> {
+    let mut known: BTreeSet<String> = match (only, obj) {
+        (Only::Nodes(_), Some(obj)) => obj.group_names().into_iter().collect(),
+        (Only::Materials(_), Some(obj)) => obj.material_names().into_iter().collect(),
+        _ => BTreeSet::new(),
+    };
+    let whole = matches!(only, Only::Nodes(_)) && known.is_empty();
+    known.extend(whole.then(|| name.to_owned()));
+    if let Some(named) = only.names().iter().find(|named| !known.contains(&named.name)) {
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        return Err(refused(named.unknown(only.what(), &known)));
+    }
+    let names: Vec<&str> = only.names().iter().map(|named| named.name.as_str()).collect();
+    let members = match (only, obj.filter(|_| !whole)) {
+        (Only::Nodes(_), Some(obj)) => obj.in_groups(&names),
+        (Only::Materials(_), Some(obj)) => obj.of_materials(&names),
+        // It is one node, and that is named.
+        _ => return Ok(vec![1.0; count]),
+    };
+    let idle = only.names().iter().filter(|named| !members.used.contains(&named.name));
+    warnings.extend(idle.map(|named| without(named, "has no face")));
+    Ok(ones(&members.of_positions))
+}
+
+/// What can be named.
+struct Table<'a> {
+    named: BTreeMap<&'a str, Vec<usize>>,
+    /// What has no name.
+    bare: BTreeSet<usize>,
+    all: BTreeSet<usize>,
+}
+
+impl<'a> Table<'a> {
+    fn new(entries: impl Iterator<Item = (Option<&'a str>, usize)>) -> Self {
+        let mut table = Self { named: BTreeMap::new(), bare: BTreeSet::new(), all: BTreeSet::new() };
+        for (name, index) in entries {
+            table.all.insert(index);
+            match name {
+                Some(name) => table.named.entry(name).or_default().push(index),
+                None => {
+                    table.bare.insert(index);
+                }
+            }
+        }
+        table
+    }
+
+    /// All that has a name, or else the one with that index.
+    fn get(&self, named: &Named, what: &str) -> Result<Vec<usize>, ApplyError> {
+        if let Some(list) = self.named.get(named.name.as_str()) {
+            return Ok(list.clone());
+        }
+        let index = named.name.parse().ok().filter(|index| self.all.contains(index));
+        index.map(|index| vec![index]).ok_or_else(|| {
+            let bare: Vec<String> = self.bare.iter().map(usize::to_string).collect();
+            let known: Vec<&str> =
+                self.named.keys().copied().chain(bare.iter().map(String::as_str)).collect();
+            refused(named.unknown(what, &known))
+        })
+    }
+
+    fn look_up<'n>(&self, only: &'n Only) -> Result<Vec<(&'n Named, Vec<usize>)>, ApplyError> {
+        only.names().iter().map(|named| Ok((named, self.get(named, only.what())?))).collect()
+    }
+}
+
+/// The warning that a name is there in vain.
+fn without(named: &Named, what: &str) -> String {
+    let message = format!("\"{}\" {what}", printable(&named.name));
+    format!("`only` at {} [only-empty]", named.refused(message))
+}
+
+fn ones(members: &[bool]) -> Vec<f32> {
+    members.iter().map(|&member| f32::from(u8::from(member))).collect()
+}

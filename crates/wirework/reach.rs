@@ -1,0 +1,50 @@
+//! What effects do not reach, in words.
+
+use wirework_core::Lattice;
+use wirework_surface::Bounds;
+
+use crate::Evaluation;
+
+impl Evaluation<'_> {
+    /// What is hardly meant: an `only` that takes nothing in, a mask that does not cover the object, a lattice that does not hold
+    /// all points its effect might move, as they were last bound.
+    pub fn warnings(&self) -> Vec<String> {
+        let points = self.points().len();
+        let line = |(effect, Lattice { min, max, .. }, outside): (usize, Lattice, usize)| {
+            let lie = if outside == 1 { "lies" } else { "lie" };
+            let which = which(effect);
+            if self.is_empty_lattice(effect) {
+                let span = span(self.points());
+                format!(
+                    "all points lie outside the lattice of the effect{which}, from {min:?} to {max:?}: nothing \
+                     moves{span} [outside-lattice]"
+                )
+            } else {
+                format!(
+                    "{outside} of {points} points {lie} outside the lattice of the effect{which} and cannot move \
+                     [outside-lattice]"
+                )
+            }
+        };
+        self.warnings.iter().cloned().chain(self.outside().map(line)).collect()
+    }
+
+    /// A warning for each effect that has been evaluated and has reached nothing at any time.
+    pub(crate) fn idle_warnings(&self) -> Vec<String> {
+        let told = |effect: &usize| !self.is_empty_lattice(*effect);
+        let span = span(self.points());
+        let line =
+            |effect| format!("the effect{} reaches no vertex: nothing moves{span} [no-reach]", which(effect));
+        self.idle().filter(told).map(line).collect()
+    }
+}
+
+fn which(effect: usize) -> String {
+    if effect == 0 { String::new() } else { format!(" (number {effect} of the stack, from 0)") }
+}
+
+fn span(points: &[[f32; 3]]) -> String {
+    Bounds::of(points).map_or_else(String::new, |Bounds { min, max }| {
+        format!("; the points lie between {min:?} and {max:?}")
+    })
+}
