@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use wirework::asset::printable;
-use wirework::{AssetFacts, Fault, PresetFacts, inspect_asset};
+use wirework::{AssetFacts, Fault, NodeFacts, PartFacts, PresetFacts, inspect_asset};
 
 use crate::args::Inspect;
 use crate::console::{Console, print};
@@ -63,6 +63,44 @@ fn of(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
+/// What some or all vertices of a mesh have.
+fn share(n: usize, all: usize, what: &str) -> String {
+    match n {
+        0 => format!("no {what}"),
+        _ if n == all => what.to_owned(),
+        _ => format!("{what} at {}", of(n, "vertex", "vertices")),
+    }
+}
+
+fn part_line(part: &PartFacts) -> String {
+    format!("{}: {}", named(part.name.as_deref()), of(part.vertices, "vertex", "vertices"))
+}
+
+/// What a node shows, and what hangs on it.
+fn node_line(node: &NodeFacts) -> String {
+    let vertices = of(node.vertices, "vertex", "vertices");
+    let shows = match node.mesh {
+        Some(mesh) => Some(format!("shows mesh {mesh}, {vertices}")),
+        None if node.mesh_nodes == 0 => None,
+        None => Some(format!("above {}, {vertices}", of(node.mesh_nodes, "mesh node", "mesh nodes"))),
+    };
+    let skins: Vec<String> = node.joint_of.iter().map(usize::to_string).collect();
+    let joint = (!skins.is_empty()).then(|| {
+        let [x, y, z] = node.position.map(rounded);
+        let noun = if skins.len() == 1 { "skin" } else { "skins" };
+        let held = of(node.joint_vertices, "vertex", "vertices");
+        format!("joint of {noun} {} at ({x}, {y}, {z}), {held}", skins.join(", "))
+    });
+    let parts: Vec<String> = [joint, shows].into_iter().flatten().collect();
+    format!("{}: {}", named(node.name.as_deref()), parts.join("; "))
+}
+
+/// To a millimetre, without a minus before nothing.
+fn rounded(x: f32) -> String {
+    let text = format!("{x:.3}");
+    if text == "-0.000" { text.replace('-', "") } else { text }
+}
+
 fn asset_table(facts: &AssetFacts) -> String {
     let mut table = Table::default();
     table.row("container", facts.container);
@@ -75,16 +113,28 @@ fn asset_table(facts: &AssetFacts) -> String {
     if facts.container != "obj" {
         table.row("nodes", &facts.nodes.to_string());
     }
+    for node in &facts.selectable_nodes {
+        table.row(&format!("node {}", node.node), &node_line(node));
+    }
+    for group in &facts.groups {
+        table.row("group", &part_line(group));
+    }
     table.rows("mesh", &facts.meshes, |mesh| {
-        let parts = [
+        let mut parts = vec![
             of(mesh.primitives, "primitive", "primitives"),
             of(mesh.vertices, "vertex", "vertices"),
             of(mesh.triangles, "triangle", "triangles"),
             of(mesh.morph_targets, "morph target", "morph targets"),
         ];
+        parts.push(share(mesh.colored_vertices, mesh.vertices, "vertex colours"));
+        parts.push(share(mesh.mapped_vertices, mesh.vertices, "texture coordinates"));
         format!("{}: {}", named(mesh.name.as_deref()), parts.join(", "))
     });
-    table.rows("material", &facts.materials, |material| named(material.as_deref()));
+    for (index, material) in facts.materials.iter().enumerate() {
+        // An OBJ numbers none.
+        let number = if facts.container == "obj" { String::new() } else { format!(" {index}") };
+        table.row(&format!("material{number}"), &part_line(material));
+    }
     table.rows("skin", &facts.skins, |skin| {
         format!("{}: {}", named(skin.name.as_deref()), of(skin.joints, "joint", "joints"))
     });

@@ -1,5 +1,8 @@
 //! What is in an asset or a preset, as plain facts.
 
+mod parts;
+
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -8,11 +11,14 @@ use serde::Serialize;
 use serde_json::Value;
 use wirework_asset::{Gltf, Limits};
 use wirework_preset::{Action, Effect, Mask, Object, Only, Parsed, PatchDeform, Shape, Units};
-use wirework_surface::{Bounds, Mesh};
+use wirework_surface::Bounds;
 use wirework_wrinkle::Pattern;
 
 use crate::ApplyError;
 use crate::subject::{Model, Subject};
+
+pub use parts::{NodeFacts, PartFacts};
+use parts::{broken_colors, groups, materials, named_parts, nodes, of_mesh};
 
 /// What is in a glTF or OBJ file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -28,10 +34,14 @@ pub struct AssetFacts {
     pub bounds: Option<BoundsFacts>,
     /// Nodes of the document.
     pub nodes: usize,
+    /// Those of them that `only` of a preset can name to some effect.
+    pub selectable_nodes: Vec<NodeFacts>,
+    /// Objects and groups of an OBJ, which are its nodes; without any the file is one, with its own name.
+    pub groups: Vec<PartFacts>,
     /// Meshes.
     pub meshes: Vec<MeshFacts>,
-    /// Names of the materials.
-    pub materials: Vec<Option<String>>,
+    /// Materials; in an OBJ those that it uses.
+    pub materials: Vec<PartFacts>,
     /// Skins.
     pub skins: Vec<SkinFacts>,
     /// Animations.
@@ -68,6 +78,10 @@ pub struct MeshFacts {
     pub triangles: usize,
     /// Its morph targets.
     pub morph_targets: usize,
+    /// Those of its vertices that have a colour, which `mask: VertexColor(..)` reads.
+    pub colored_vertices: usize,
+    /// Those that have texture coordinates, at which `mask: Image(..)` is read.
+    pub mapped_vertices: usize,
 }
 
 /// A skin.
@@ -99,23 +113,31 @@ pub struct AnimationFacts {
 /// As [`Subject::read`].
 pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, ApplyError> {
     let subject = Subject::read(path, limits)?;
-    let warnings = subject.warnings();
+    let mut warnings = subject.warnings();
     let mut facts = match &subject.model {
-        Model::Mesh { mesh, .. } => {
-            AssetFacts { container: "obj", meshes: vec![of_mesh(mesh, &subject)], ..AssetFacts::default() }
-        }
-        Model::Gltf { gltf, .. } => of_document(gltf, path),
+        Model::Mesh { mesh, name, obj } => AssetFacts {
+            container: "obj",
+            meshes: vec![of_mesh(mesh, obj.as_deref(), subject.triangles.len(), &mut warnings)],
+            groups: groups(name, mesh, obj.as_deref()),
+            materials: obj.as_ref().map_or_else(Vec::new, |obj| named_parts(obj.material_census())),
+            ..AssetFacts::default()
+        },
+        Model::Gltf { gltf, rest } => AssetFacts {
+            selectable_nodes: nodes(gltf, rest)?,
+            materials: materials(gltf, rest)?,
+            ..of_document(gltf, path)
+        },
     };
+    if let Model::Gltf { gltf, rest } = &subject.model
+        && facts.meshes.iter().any(|mesh| mesh.colored_vertices > 0)
+    {
+        warnings.extend(gltf.colors(rest).err().map(|error| broken_colors(&error)));
+    }
     facts.vertices = subject.position_count();
     facts.triangles = subject.triangles.len();
     facts.bounds = Bounds::of(&subject.points).map(|b| BoundsFacts { min: b.min, max: b.max });
     facts.warnings = warnings;
     Ok(facts)
-}
-
-fn of_mesh(mesh: &Mesh, subject: &Subject) -> MeshFacts {
-    let (vertices, triangles) = (mesh.positions.len(), subject.triangles.len());
-    MeshFacts { primitives: 1, vertices, triangles, ..MeshFacts::default() }
 }
 
 fn of_document(gltf: &Gltf, path: &Path) -> AssetFacts {
@@ -130,7 +152,6 @@ fn of_document(gltf: &Gltf, path: &Path) -> AssetFacts {
         container: if binary { "glb" } else { "gltf" },
         nodes: gltf.node_count(),
         meshes: list(json, "meshes").iter().map(|mesh| of_gltf_mesh(json, mesh)).collect(),
-        materials: list(json, "materials").iter().map(name).collect(),
         skins: list(json, "skins").iter().map(skin).collect(),
         animations: list(json, "animations").iter().map(|animation| of_animation(json, animation)).collect(),
         extensions_used: names("extensionsUsed"),
@@ -146,13 +167,14 @@ fn of_gltf_mesh(json: &Value, mesh: &Value) -> MeshFacts {
     };
     let primitives = list(mesh, "primitives");
     let mut facts = MeshFacts { name: name(mesh), primitives: primitives.len(), ..MeshFacts::default() };
-    let mut seen = Vec::new();
+    // Positions, each with whether a primitive has colours or texture coordinates for them.
+    let mut seen: BTreeMap<Option<usize>, (bool, bool)> = BTreeMap::new();
     for primitive in primitives {
-        let position = primitive.get("attributes").and_then(|attributes| number(attributes, "POSITION"));
-        if !seen.contains(&position) {
-            facts.vertices += count(position);
-            seen.push(position);
-        }
+        let attribute = |key| primitive.get("attributes").and_then(|attributes| number(attributes, key));
+        let position = attribute("POSITION");
+        let (colored, mapped) = seen.entry(position).or_default();
+        *colored |= attribute("COLOR_0").is_some();
+        *mapped |= attribute("TEXCOORD_0").is_some();
         let corners =
             number(primitive, "indices").map_or_else(|| count(position), |index| count(Some(index)));
         facts.triangles += match number(primitive, "mode").unwrap_or(4) {
@@ -161,6 +183,12 @@ fn of_gltf_mesh(json: &Value, mesh: &Value) -> MeshFacts {
             _ => 0,
         };
         facts.morph_targets = facts.morph_targets.max(list(primitive, "targets").len());
+    }
+    for (position, (colored, mapped)) in seen {
+        let vertices = count(position);
+        facts.vertices += vertices;
+        facts.colored_vertices += if colored { vertices } else { 0 };
+        facts.mapped_vertices += if mapped { vertices } else { 0 };
     }
     facts
 }
@@ -249,7 +277,7 @@ fn of_effect(effect: &Effect) -> EffectFacts {
         }
     };
     let mask = |mask: &Mask| match mask {
-        Mask::VertexColor(channel) => format!("VertexColor({channel:?})"),
+        Mask::VertexColor { channel, .. } => format!("VertexColor({channel:?})"),
         Mask::Image { file, channel } => format!("Image({:?}, {channel:?})", file.name),
     };
     EffectFacts {

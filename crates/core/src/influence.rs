@@ -9,6 +9,8 @@
 //! The paper compares `cosangle`, a dot product of vectors as long as they are, with `δ ∈ (0, 1)`, and moves with it from `r` to the
 //! domain's radius. Both need a cosine, so here the vectors are normalised.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::attributes::{Attribute, is_directional};
@@ -35,41 +37,73 @@ pub(crate) struct Measure<'a> {
 }
 
 impl Measure<'_> {
-    /// Computes `F` of the bound points of a tile, and what domain curves leave of each attribute.
+    /// Computes `F` of the bound points of a tile, and what domain curves leave of each attribute: a pass for each factor there
+    /// is.
     pub(crate) fn tile(self, tile: &Tile, runs: &mut TileRuns) {
-        let Self { wire, spans, cells } = self;
-        let n = spans.cubics.len();
-        let directional = is_directional(wire);
-        runs.influence.resize(runs.index.len(), 0.0);
+        let mut influence = std::mem::take(&mut runs.influence);
+        influence.resize(runs.index.len(), 0.0);
         for run in &runs.list {
-            let cell = cells.list[run.cell as usize];
-            let powers = |attribute| cell.attribute(wire, attribute, n);
-            let radius = powers(Attribute::Radius);
-            let t0 = if let Cell::Stretch { t0, .. } = cell { t0 } else { 0.0 };
-            let direction = directional.then(|| Direction {
-                axis: [0, 1, 2].map(|axis| powers(Attribute::Direction(axis))),
-                angle: powers(Attribute::Angle),
-            });
+            let range = run.start as usize..run.end as usize;
+            let cell = self.cells.list[run.cell as usize];
+            let radius = Along::new(self, cell, Attribute::Radius);
+            self.radial(range.clone(), radius, runs, &mut influence);
+            if is_directional(self.wire) {
+                self.direct(range, cell, tile, runs, &mut influence);
+            }
+        }
+        for (f, mask) in influence.iter_mut().zip(&runs.mask) {
+            *f = (f64::from(*f) * f64::from(*mask)) as f32;
+        }
+        runs.influence = influence;
+        if runs.fades.iter().any(|fade| !fade.is_empty()) {
+            self.fade(runs);
+        }
+    }
+
+    fn radial(self, range: Range<usize>, radius: Along, runs: &TileRuns, influence: &mut [f32]) {
+        let wire = self.wire;
+        if !wire.domains.iter().any(|domain| domain.bounds == Bounded::Influence) {
+            for i in range {
+                influence[i] = wire.density.at(runs.distance[i] / radius.at(runs.t[i])) as f32;
+            }
+            return;
+        }
+        for i in range {
+            let (v, r) = (runs.distance[i], radius.at(runs.t[i]));
+            influence[i] = bounded(wire, Bounded::Influence, v, r, &runs.sides, i) as f32;
+        }
+    }
+
+    /// Multiplies by the directional dropoff.
+    fn direct(self, range: Range<usize>, cell: Cell, tile: &Tile, runs: &TileRuns, influence: &mut [f32]) {
+        let (spans, n) = (self.spans, self.spans.cubics.len());
+        let direction = Direction {
+            axis: [0, 1, 2].map(|axis| Along::new(self, cell, Attribute::Direction(axis))),
+            angle: Along::new(self, cell, Attribute::Angle),
+        };
+        for i in range {
+            if influence[i] > 0.0 {
+                let (span, place) = cell.place(f64::from(runs.t[i]), n);
+                let point = tile.position(runs.index[i] as usize);
+                let from_r = point - spans.cubics[span].at(place);
+                let (tangent, extent) = (spans.tangent_in(span, place), point.abs().max_element());
+                let turn = direction.turn(runs.t[i], from_r, tangent, extent);
+                influence[i] = (f64::from(influence[i]) * self.wire.density.at(turn)) as f32;
+            }
+        }
+    }
+
+    /// What domain curves of an attribute leave of it: it acts by the lesser of their influence and the wire's.
+    fn fade(self, runs: &mut TileRuns) {
+        let wire = self.wire;
+        for run in &runs.list {
+            let radius = Along::new(self, self.cells.list[run.cell as usize], Attribute::Radius);
             for i in run.start as usize..run.end as usize {
-                let t = f64::from(runs.t[i]);
-                let (v, r) = (runs.distance[i], at(&radius, t - t0));
+                let (v, r) = (runs.distance[i], radius.at(runs.t[i]));
                 let radial = bounded(wire, Bounded::Influence, v, r, &runs.sides, i);
-                let mut f = radial;
-                if let Some(direction) = direction.as_ref().filter(|_| f > 0.0) {
-                    let (span, place) = cell.place(t, n);
-                    let point = tile.position(runs.index[i] as usize);
-                    let from_r = point - spans.cubics[span].at(place);
-                    let (tangent, extent) = (spans.tangent_in(span, place), point.abs().max_element());
-                    f *= wire.density.at(direction.turn(t - t0, from_r, tangent, extent));
-                }
-                if let Some(mask) = runs.mask.get(i) {
-                    f *= f64::from(*mask);
-                }
-                runs.influence[i] = f as f32;
                 for (bounds, fade) in FADES.into_iter().zip(&mut runs.fades) {
                     if let Some(fade) = fade.get_mut(i) {
                         let own = bounded(wire, bounds, v, r, &runs.sides, i);
-                        // The attribute then acts by the lesser of the two.
                         *fade = if own < radial { (own / radial) as f32 } else { 1.0 };
                     }
                 }
@@ -78,31 +112,48 @@ impl Measure<'_> {
     }
 }
 
-/// A directional dropoff in one cell: powers of the distance from the cell's start.
+/// An attribute in one cell.
+#[derive(Clone, Copy)]
+struct Along {
+    /// Powers of the distance from the cell's start.
+    powers: [f64; 4],
+    start: f64,
+}
+
+impl Along {
+    fn new(measure: Measure<'_>, cell: Cell, attribute: Attribute) -> Self {
+        let powers = cell.attribute(measure.wire, attribute, measure.spans.cubics.len());
+        Self { powers, start: if let Cell::Stretch { t0, .. } = cell { t0 } else { 0.0 } }
+    }
+
+    #[inline]
+    fn at(&self, t: f32) -> f64 {
+        let ([a, b, c, d], tau) = (self.powers, f64::from(t) - self.start);
+        a + tau * (b + tau * (c + tau * d))
+    }
+}
+
+/// A directional dropoff in one cell.
 struct Direction {
-    axis: [[f64; 4]; 3],
-    angle: [f64; 4],
+    axis: [Along; 3],
+    angle: Along,
 }
 
 impl Direction {
     /// `φ / a` of a point that lies at `v` from its foot, with coordinates up to `extent`. `φ` is 0 on the curve, and where the axis
     /// or the point lies along it.
-    fn turn(&self, tau: f64, v: DVec3, tangent: DVec3, extent: f64) -> f64 {
+    fn turn(&self, t: f32, v: DVec3, tangent: DVec3, extent: f64) -> f64 {
         let across = |v: DVec3, size: f64| {
             let flat = v - tangent * v.dot(tangent);
             if flat.length_squared() <= ALONG * ALONG * size * size { DVec3::ZERO } else { flat }
         };
-        let axis = DVec3::from_array([0, 1, 2].map(|i| at(&self.axis[i], tau)));
+        let axis = DVec3::from_array([0, 1, 2].map(|i| self.axis[i].at(t)));
         let (axis, v) = (across(axis, axis.length()), across(v, v.length().max(extent)));
         if axis == DVec3::ZERO || v == DVec3::ZERO {
             return 0.0;
         }
-        axis.cross(v).length().atan2(axis.dot(v)) / at(&self.angle, tau)
+        axis.cross(v).length().atan2(axis.dot(v)) / self.angle.at(t)
     }
-}
-
-fn at(powers: &[f64; 4], tau: f64) -> f64 {
-    powers[0] + tau * (powers[1] + tau * (powers[2] + tau * powers[3]))
 }
 
 /// `F` by the distance `v`, where `r` is the wire's radius, with the domain curves that bound `what`.

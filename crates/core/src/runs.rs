@@ -11,7 +11,7 @@ use crate::cells::Cells;
 use crate::domain::Side;
 use crate::influence::{FADES, Measure};
 use crate::kernel::RunPoints;
-use crate::search::{Found, Sought};
+use crate::search::{Found, Sought, StoredFoot};
 use crate::tiles::{Balls, TILE, Tile, Tiles};
 
 /// Consecutive bound points of one tile and cell.
@@ -103,7 +103,7 @@ impl Runs {
         let all = bound.sought.pieces.all();
         let part = |(i, (tile, balls)): (usize, (&Tile, &Balls))| {
             let found = bound.sought.tile(tile, balls, &all, (tiles.count - i * TILE).min(TILE));
-            bound.sort(tile, i * TILE, &found, &|_| true)
+            found.map_or_else(TileRuns::default, |found| bound.sort(tile, i * TILE, &found, &|_| true))
         };
         Self(tiles.searched().par_iter().zip(&tiles.balls).enumerate().map(part).collect())
     }
@@ -138,13 +138,20 @@ impl Bound<'_> {
             Some(foot) => (slot as usize, *foot),
             None => (found.more[slot as usize - closest].0 as usize, found.more[slot as usize - closest].1),
         };
-        let cell = |slot: u32| {
-            let (point, foot) = at(slot);
-            let acts =
-                foot.distance.is_finite() && mask.is_none_or(|mask| mask[point] > 0.0) && acts(first + point);
-            acts.then(|| (self.cells.find(foot.span, foot.t), slot))
+        let admits = |point: usize, foot: &StoredFoot| {
+            foot.distance.is_finite() && mask.is_none_or(|mask| mask[point] > 0.0) && acts(first + point)
         };
-        let bound: Vec<(u32, u32)> = (0..(closest + found.more.len()) as u32).filter_map(cell).collect();
+        let mut bound: Vec<(u32, u32)> = Vec::with_capacity(closest + found.more.len());
+        for (point, foot) in found.feet.iter().enumerate() {
+            if admits(point, foot) {
+                bound.push((self.cells.find(foot.span, foot.t), point as u32));
+            }
+        }
+        for (slot, (point, foot)) in found.more.iter().enumerate() {
+            if admits(*point as usize, foot) {
+                bound.push((self.cells.find(foot.span, foot.t), (closest + slot) as u32));
+            }
+        }
         if bound.is_empty() {
             return TileRuns::default();
         }
@@ -152,11 +159,17 @@ impl Bound<'_> {
         let count = slots.len();
         let mut runs = TileRuns {
             list,
-            index: slots.iter().map(|&slot| at(slot).0 as u16).collect(),
-            t: slots.iter().map(|&slot| at(slot).1.t).collect(),
-            distance: slots.iter().map(|&slot| at(slot).1.distance).collect(),
+            index: Vec::with_capacity(count),
+            t: Vec::with_capacity(count),
+            distance: Vec::with_capacity(count),
             ..TileRuns::default()
         };
+        for &slot in &slots {
+            let (point, foot) = at(slot);
+            runs.index.push(point as u16);
+            runs.t.push(foot.t);
+            runs.distance.push(foot.distance);
+        }
         if !found.more.is_empty() {
             runs.weight = slots.iter().map(|&slot| at(slot).1.weight).collect();
         }

@@ -113,7 +113,8 @@ impl Sought<'_> {
     pub(crate) fn everywhere(self, tiles: &Tiles) -> Found {
         let all = self.pieces.all();
         let part = |(i, (tile, balls)): (usize, (&Tile, &Balls))| {
-            self.tile(tile, balls, &all, (tiles.count - i * TILE).min(TILE))
+            let count = (tiles.count - i * TILE).min(TILE);
+            self.tile(tile, balls, &all, count).unwrap_or_else(|| Found::new(count, self.domains.len()))
         };
         let parts: Vec<Found> = tiles.searched().par_iter().zip(&tiles.balls).enumerate().map(part).collect();
         let mut found = Found::new(0, self.domains.len());
@@ -126,17 +127,17 @@ impl Sought<'_> {
         }
     }
 
-    /// The feet of the first `count` points of a tile.
-    pub(crate) fn tile(self, tile: &Tile, balls: &Balls, all: &[Candidate], count: usize) -> Found {
+    /// The feet of the first `count` points of a tile; none where the wire reaches nothing of it.
+    pub(crate) fn tile(self, tile: &Tile, balls: &Balls, all: &[Candidate], count: usize) -> Option<Found> {
         let own = &self.pieces.ball;
         let domains = self.domains.iter().map(|domain| domain.reach(self.pieces));
         let reach = domains.fold(self.reach, f64::max);
-        let found = Found::new(count, self.domains.len());
-        let apart = |ball: Ball| ball.center.distance(own.center) - ball.radius - own.radius;
-        if balls.tile.is_none_or(|ball| apart(ball) > reach) {
-            return found;
+        let ball = balls.tile?;
+        if ball.center.distance(own.center) - ball.radius - own.radius > reach {
+            return None;
         }
-        pulp::Arch::new().dispatch(Search { sought: self, reach, tile, balls, all, found })
+        let found = Found::new(count, self.domains.len());
+        Some(pulp::Arch::new().dispatch(Search { sought: self, reach, tile, balls, all, found }))
     }
 }
 

@@ -43,7 +43,12 @@ impl Only {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Mask {
     /// A channel of the vertices' colours.
-    VertexColor(Channel),
+    VertexColor {
+        /// The channel.
+        channel: Channel,
+        /// Its name as typed, for its place.
+        typed: Named,
+    },
     /// A channel of an image at the vertices' texture coordinates.
     Image {
         /// Path of the image as typed, relative to the preset.
@@ -208,7 +213,9 @@ fn mask(reader: &mut Reader<'_>, node: &Node) -> Option<Mask> {
     };
     match (name.text.as_str(), &node.body) {
         ("VertexColor", Body::Tuple(items)) if items.len() == 1 => {
-            items.first().and_then(|item| channel(reader, item)).map(Mask::VertexColor)
+            let item = items.first()?;
+            let channel = channel(reader, item)?;
+            Some(Mask::VertexColor { channel, typed: reader.named(format!("{channel:?}"), &item.span) })
         }
         ("Image", Body::Tuple(items)) => {
             let (file, channel) = match items.as_slice() {

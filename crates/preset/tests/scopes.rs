@@ -48,7 +48,10 @@ fn every_effect_has_a_scope() {
         let effect = effect(&text);
         assert!(matches!(effect.only, Some(Only::Nodes(_))));
         assert_eq!(names(effect.only.as_ref()), ["a", "b c"]);
-        assert_eq!((effect.mask, effect.units), (Some(Mask::VertexColor(Channel::A)), Units::Bounds));
+        assert_eq!(
+            (effect.mask, effect.units),
+            (Some(Mask::VertexColor { channel: Channel::A, typed: Named::new("A") }), Units::Bounds)
+        );
     }
     for text in effects("only: None, mask: None, units: Metres") {
         assert_eq!(effect(&text).only, None);

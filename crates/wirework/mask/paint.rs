@@ -8,7 +8,7 @@ use wirework_preset::{Channel, Mask, Named, PresetError, PresetErrorKind};
 use wirework_surface::Mesh;
 
 use super::plane::Plane;
-use super::{nowhere, refused};
+use super::refused;
 use crate::error::count;
 use crate::{ApplyError, Model, Subject};
 
@@ -27,9 +27,10 @@ pub(super) fn factors(
     // Control points of a patch are no vertices: they have neither.
     let has_vertices = subject.net.is_none();
     let (what, at) = match mask {
-        Mask::VertexColor(channel) => {
+        Mask::VertexColor { channel, typed } => {
             if !(has_vertices && means.colors(subject, *channel)?) {
-                return Err(refused(no_colors()));
+                let message = "`mask: VertexColor(..)` needs vertex colours; the object has none";
+                return Err(refused(typed.refused(message)));
             }
             ("vertex colours", "VertexColor".to_owned())
         }
@@ -63,11 +64,6 @@ pub(super) fn check(mask: &Mask, preset_dir: &Path, limits: &Limits) -> Result<(
 fn unusable(file: &Named, message: &str, limit: bool) -> PresetError {
     let error = file.refused(format!("the image \"{}\" {message}", printable(&file.name)));
     if limit { PresetError { kind: PresetErrorKind::Limit, ..error } } else { error }
-}
-
-fn no_colors() -> PresetError {
-    let message = "`mask: VertexColor(..)` needs vertex colours; the object has none".to_owned();
-    PresetError { path: "mask".to_owned(), ..nowhere(message) }
 }
 
 /// Sums at points, and how many numbers they are of.

@@ -1,0 +1,154 @@
+//! What `inspect` says about an asset is what `only` and `mask` of a preset can use.
+
+use serde_json::{Value, json};
+
+use crate::make::{Doc, skinned};
+use crate::place::{Place, shared};
+
+/// The JSON and the lines of a file.
+fn inspect(place: &Place, file: &str) -> (Value, String) {
+    let json = place.run_with(["inspect", file, "--json"], b"").expect(0).out();
+    let table = place.run_with(["inspect", file], b"").expect(0).out();
+    (serde_json::from_str(&json).unwrap(), table)
+}
+
+/// A skinned triangle on two joints, and a bare node with another one below it that has colours and coordinates.
+fn character() -> Doc {
+    let mut doc = skinned([0.75, 0.25, 0.0, 0.0]);
+    doc.json["nodes"][0]["name"] = json!("body");
+    doc.json["nodes"][1]["name"] = json!("arm\u{1b}[2J");
+    doc.json["nodes"][2]["translation"] = json!([-0.0001, 0.5, -1]);
+    let attributes = doc.json["meshes"][0]["primitives"][0]["attributes"].clone();
+    let mut painted = json!({ "POSITION": attributes["POSITION"], "NORMAL": attributes["NORMAL"] });
+    painted["COLOR_0"] = json!(doc.floats("VEC3", &[0.5; 9]));
+    painted["TEXCOORD_0"] = json!(doc.floats("VEC2", &[0.5; 6]));
+    let mesh = doc.mesh(&json!({ "attributes": painted, "material": 1 }));
+    doc.json["materials"] = json!([{ "name": "spare" }, {}]);
+    doc.node(json!({ "name": "hat", "children": [4] }));
+    doc.node(json!({ "mesh": mesh }));
+    doc.node(json!({ "name": "camera" }));
+    doc
+}
+
+#[test]
+fn all_that_a_preset_can_name_is_listed() {
+    let place = Place::new();
+    place.write("in.glb", character().glb());
+    let (facts, table) = inspect(&place, "in.glb");
+    for line in [
+        "nodes        6",
+        "node 0       \"body\": shows mesh 0, 3 vertices",
+        "node 1       \"arm\\u{1b}[2J\": joint of skin 0 at (0.000, 0.000, 3.000), 2 vertices",
+        "node 2       (no name): joint of skin 0 at (0.000, 0.500, 2.000), 2 vertices",
+        "node 3       \"hat\": above 1 mesh node, 3 vertices",
+        "node 4       (no name): shows mesh 1, 3 vertices",
+        "mesh 0       (no name): 1 primitive, 3 vertices, 1 triangle, 0 morph targets, no vertex colours, no texture coordinates",
+        "mesh 1       (no name): 1 primitive, 3 vertices, 1 triangle, 0 morph targets, vertex colours, texture coordinates",
+        "material 0   \"spare\": 0 vertices",
+        "material 1   (no name): 3 vertices",
+    ] {
+        assert!(table.lines().any(|found| found == line), "{line} in\n{table}");
+    }
+    assert!(!table.contains("node 5"), "a node that nothing can be limited to is only counted:\n{table}");
+    assert_eq!(
+        facts["selectable_nodes"][0],
+        json!({
+            "node": 0, "name": "body", "mesh": 0, "mesh_nodes": 1, "vertices": 3,
+            "joint_of": [], "joint_vertices": 0, "position": [100.0, 0.0, 0.0],
+        })
+    );
+    let arm = &facts["selectable_nodes"][1];
+    assert_eq!(
+        (&arm["joint_of"], &arm["joint_vertices"], &arm["mesh"]),
+        (&json!([0]), &json!(2), &Value::Null)
+    );
+    assert_eq!(facts["selectable_nodes"].as_array().unwrap().len(), 5);
+    assert_eq!(
+        facts["materials"],
+        json!([{ "name": "spare", "vertices": 0 }, { "name": null, "vertices": 3 }])
+    );
+    assert_eq!(
+        (&facts["meshes"][1]["colored_vertices"], &facts["meshes"][0]["mapped_vertices"]),
+        (&json!(3), &json!(0))
+    );
+    assert_eq!(facts["groups"], json!([]));
+
+    // And a preset that names all of it, by name or number, finds it.
+    for only in
+        ["Nodes([\"body\", \"hat\", \"4\"])", "Materials([\"1\"])", "Joints([\"arm\\u{1b}[2J\", \"2\"])"]
+    {
+        place.write(
+            "only.ron",
+            format!("Deform(only: {only}, wires: [Wire(curve: Polyline(points: [(0, 0, 3), (1, 0, 3)]), radius: 9, twist: 9)])"),
+        );
+        let err = place.run("apply only.ron in.glb -o out.glb --at 0").expect(0).err();
+        assert!(!err.contains("only"), "{err}");
+    }
+}
+
+#[test]
+fn colours_that_no_mask_can_read_are_a_warning() {
+    let place = Place::new();
+    let mut doc = character();
+    let broken = doc.floats("VEC3", &[f32::NAN; 9]);
+    doc.json["meshes"][1]["primitives"][0]["attributes"]["COLOR_0"] = json!(broken);
+    place.write("in.glb", doc.glb());
+    place.write("in.obj", "v 0 0 0 red 0 0\nv 1 0 0\n");
+    for file in ["in.glb", "in.obj"] {
+        let err = place.run_with(["inspect", file], b"").expect(0).err();
+        assert!(err.contains("[colors]") && err.contains(file), "{err}");
+        let facts = inspect(&place, file).0;
+        let last = facts["warnings"].as_array().unwrap().last().unwrap().as_str().unwrap();
+        assert!(last.ends_with("[colors]"), "{facts}");
+    }
+}
+
+#[test]
+fn groups_and_materials_of_an_obj_are_listed_with_their_vertices() {
+    let place = Place::new();
+    place.write(
+        "in.obj",
+        "mtllib none.mtl\no left arm\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nusemtl skin\nf 1/1 2 3\n\
+         g hand\nusemtl nail\nf 2 3 4\n",
+    );
+    let (facts, table) = inspect(&place, "in.obj");
+    for line in [
+        "group        \"hand\": 1 vertex",
+        "group        \"left arm\": 4 vertices",
+        "mesh 0       (no name): 1 primitive, 4 vertices, 2 triangles, 0 morph targets, vertex colours at 2 vertices, texture coordinates at 1 vertex",
+        "material     \"nail\": 1 vertex",
+        "material     \"skin\": 1 vertex",
+    ] {
+        assert!(table.lines().any(|found| found == line), "{line} in\n{table}");
+    }
+    assert_eq!(
+        facts["groups"],
+        json!([{ "name": "hand", "vertices": 1 }, { "name": "left arm", "vertices": 4 }])
+    );
+    assert_eq!(facts["selectable_nodes"], json!([]));
+    // A file without groups is one node, which a preset calls as the file is called.
+    place.write("bare cow.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let (_, table) = inspect(&place, "bare cow.obj");
+    assert!(
+        table.contains("group        \"bare cow\": 3 vertices\n") && !table.contains("material"),
+        "{table}"
+    );
+}
+
+#[test]
+fn the_arm_of_a_character_can_be_found() {
+    let Some(path) = shared("rigged/cesium_man.glb") else { return };
+    let place = Place::new();
+    let (facts, table) = inspect(&place, path.to_str().unwrap());
+    let nodes = facts["selectable_nodes"].as_array().unwrap();
+    let joints: Vec<&Value> = nodes.iter().filter(|node| node["joint_of"] == json!([0])).collect();
+    assert_eq!(joints.len(), 19);
+    assert!(joints.iter().all(|joint| joint["joint_vertices"].as_u64().unwrap() > 0), "{table}");
+    // Shoulder, elbow and hand, further and further out to the side on which z grows; each holds a part of the arm.
+    let arm = [13, 14, 15].map(|number| *joints.iter().find(|joint| joint["node"] == json!(number)).unwrap());
+    let z = |joint: &Value| joint["position"][2].as_f64().unwrap();
+    assert!(0.0 < z(arm[0]) && z(arm[0]) < z(arm[1]) && z(arm[1]) < z(arm[2]), "{table}");
+    let body = nodes.iter().find(|node| node["mesh"] == json!(0)).unwrap();
+    assert_eq!((&body["vertices"], &facts["materials"][0]["vertices"]), (&json!(3273), &json!(3273)));
+    assert_eq!(facts["meshes"][0]["mapped_vertices"], json!(3273));
+}
