@@ -215,7 +215,7 @@ fn mask(reader: &mut Reader<'_>, node: &Node) -> Option<Mask> {
         ("VertexColor", Body::Tuple(items)) if items.len() == 1 => {
             let item = items.first()?;
             let channel = channel(reader, item)?;
-            Some(Mask::VertexColor { channel, typed: reader.named(format!("{channel:?}"), &item.span) })
+            Some(Mask::VertexColor { channel, typed: reader.named(&format!("{channel:?}"), &item.span) })
         }
         ("Image", Body::Tuple(items)) => {
             let (file, channel) = match items.as_slice() {
