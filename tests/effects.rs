@@ -126,11 +126,13 @@ fn points_outside_a_lattice_are_told() {
         (moved, evaluation.warnings(), evaluation.idle().count())
     };
     assert_eq!(warnings(&preset(-1.0)), (25, vec![], 0));
-    let some = "10 of 25 points lie outside the lattice of the effect and cannot move [outside-lattice]";
+    let some = "10 of 25 points lie outside the lattice of the effect and cannot move: the object may tear at the lattice's border [outside-lattice]";
     assert_eq!(warnings(&preset(-0.25)), (15, vec![some.to_owned()], 0));
     let (moved, lines, idle) = warnings(&preset(3.0));
     assert_eq!((moved, lines.len(), idle), (0, 1, 1));
-    assert!(lines[0].starts_with("all points lie outside the lattice") && lines[0].contains("nothing moves"));
+    let all = "all points lie outside the lattice of the effect, from (3, -1, -1) to (5, 1, 1): nothing moves; the points lie \
+               between (-1, 0, -1) and (1, 0, 1) [outside-lattice]";
+    assert_eq!(lines, [all]);
 }
 
 #[test]

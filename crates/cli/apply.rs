@@ -110,11 +110,12 @@ fn tell(console: Console, args: &Apply, report: &Report) -> Result<(), Failure> 
     };
     let plural = |n: &usize| if *n == 1 { "" } else { "s" };
     console.note(&format!(
-        "{what}: {frames} frame{}, {wires} wire{}, {points} point{}, {:.2} s",
+        "{what}: {frames} frame{}, {wires} wire{}, {points} point{}, {:.2} s{}",
         plural(frames),
         plural(wires),
         plural(points),
-        report.total_ms / 1e3
+        report.total_ms / 1e3,
+        added(report).filter(|_| args.output.is_some() && !args.dry_run).unwrap_or_default()
     ));
     match args.report.as_deref() {
         None => Ok(()),
@@ -124,4 +125,15 @@ fn tell(console: Console, args: &Apply, report: &Report) -> Result<(), Failure> 
             write_files(&[file]).map_err(|error| Failure::from(ApplyError::from(error)))
         }
     }
+}
+
+/// Where the animation is, if the input has clips of its own: many viewers play one at a time.
+fn added(report: &Report) -> Option<String> {
+    let clip = report.clip.as_ref().filter(|clip| clip.index > 0)?;
+    let joins = match clip.could_join.as_slice() {
+        [] => String::new(),
+        [own] => format!(", --into {own} joins it with the input's own"),
+        _ => ", --into CLIP joins it with one of the input's own".to_owned(),
+    };
+    Some(format!("; its clip is {} \"{}\"{joins}", clip.index, printable(&clip.name)))
 }

@@ -54,7 +54,7 @@ pub(crate) enum ProgressKind {
 pub(crate) enum Command {
     /// Apply a preset to a model, and write an animation or a still
     Apply(Box<Apply>),
-    /// Check presets: syntax, values, and whether they fit their own objects; nothing is written
+    /// Check presets: syntax, values, and whether they fit their own objects or a model; nothing is written
     Check(Check),
     /// Print a preset to begin with: every field, its default, and what it does
     New(New),
@@ -138,6 +138,9 @@ pub(crate) struct Check {
     /// The presets; `-` reads standard input
     #[arg(required = true, value_name = "PRESET")]
     pub(crate) presets: Vec<PathBuf>,
+    /// The model, .glb, .gltf or .obj, that the presets are for; takes the place of their own objects
+    #[arg(long, value_name = "MODEL")]
+    pub(crate) on: Option<PathBuf>,
     /// Take warnings as errors
     #[arg(long)]
     pub(crate) strict: bool,

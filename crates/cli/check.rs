@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use wirework::asset::printable;
-use wirework::{ApplyError, PresetFile, Subject, check_images};
+use wirework::preset::PresetError;
+use wirework::{ApplyError, Fault, FileKind, PresetFile, Subject, check_images};
 
 use crate::args::Check;
 use crate::console::Console;
@@ -12,9 +13,12 @@ use crate::{diagnostics, presets};
 
 /// Checks every preset; the first failure gives the exit code.
 pub(crate) fn run(console: Console, args: &Check) -> Result<(), Failure> {
+    let limits = args.limits.asset();
+    let model = args.on.as_deref().map(|path| Subject::read(path, &limits)).transpose()?;
+    tell(console, model.as_ref().map_or_else(Vec::new, Subject::warnings), args)?;
     let mut failure: Option<Failure> = None;
     for path in &args.presets {
-        match one(console, path, args) {
+        match one(console, path, model.as_ref(), args) {
             Ok(file) => console.note(&format!("{}: ok", printable(&file))),
             Err(mut found) => {
                 if let Some(message) = found.message.take() {
@@ -27,45 +31,65 @@ pub(crate) fn run(console: Console, args: &Check) -> Result<(), Failure> {
     failure.map_or(Ok(()), Err)
 }
 
-fn one(console: Console, path: &Path, args: &Check) -> Result<String, Failure> {
+fn one(console: Console, path: &Path, model: Option<&Subject>, args: &Check) -> Result<String, Failure> {
+    refuse_model(path)?;
     let preset = presets::read(console, path, &args.limits.preset(), args.strict)?;
-    match fit(&preset, path, args) {
-        Ok(warnings) if args.strict && !warnings.is_empty() => {
-            for warning in &warnings {
-                console.fail(warning);
-            }
-            Err(Failure::from(ApplyError::Strict(warnings)))
-        }
-        Ok(warnings) => {
-            for warning in &warnings {
-                console.warn(warning);
-            }
-            Ok(preset.file)
-        }
-        Err(error) => {
-            let mut failure = diagnostics::fail(console, &preset, error);
-            failure.message =
-                failure.message.map(|message| format!("{}: {message}", printable(&preset.file)));
-            Err(failure)
-        }
-    }
+    let Doubts { missing, warnings } = fit(&preset, path, model, args).map_err(|error| {
+        let mut failure = diagnostics::fail(console, &preset, error);
+        failure.message = failure.message.map(|message| format!("{}: {message}", printable(&preset.file)));
+        failure
+    })?;
+    diagnostics::lacks(console, &preset, &missing, model.is_none(), args.strict)?;
+    tell(console, warnings, args)?;
+    Ok(preset.file)
 }
 
-/// Whether a preset fits its own object; without one, whether what it reads is there.
-fn fit(preset: &PresetFile, path: &Path, args: &Check) -> Result<Vec<String>, ApplyError> {
-    let (path, preset) = (presets::named(path), &preset.parsed.preset);
+/// Shows warnings; where they are taken as errors they end the work.
+fn tell(console: Console, warnings: Vec<String>, args: &Check) -> Result<(), Failure> {
+    let say = if args.strict { Console::fail } else { Console::warn };
+    for warning in &warnings {
+        say(console, warning);
+    }
+    if args.strict && !warnings.is_empty() { Err(ApplyError::Strict(warnings).into()) } else { Ok(()) }
+}
+
+/// Refuses a model in the place of a preset.
+fn refuse_model(path: &Path) -> Result<(), Failure> {
+    // A pipe without a name of its own is not to be touched: its first bytes would be lost.
+    if (path.extension().is_some() || path.is_file()) && FileKind::of(path).is_some() {
+        let name = printable(&path.display().to_string());
+        let message =
+            format!("{name}: found a model, expected a preset; `--on {name}` checks presets against it");
+        return Err(Failure::new(Fault::Request, message));
+    }
+    Ok(())
+}
+
+/// What is hardly meant.
+#[derive(Default)]
+struct Doubts {
+    /// What the preset asks for and the object lacks.
+    missing: Vec<PresetError>,
+    warnings: Vec<String>,
+}
+
+/// Whether a preset fits the model, or else its own object; without one, whether what it reads is there.
+fn fit(file: &PresetFile, path: &Path, model: Option<&Subject>, args: &Check) -> Result<Doubts, ApplyError> {
+    let (path, preset) = (presets::named(path), &file.parsed.preset);
     let (folder, limits) = (path.parent().unwrap_or(Path::new("")), args.limits.asset());
-    let Some(subject) = Subject::from_preset(preset, path, &limits)? else {
+    let own = if model.is_none() { Subject::from_preset(preset, path, &limits)? } else { None };
+    let Some(subject) = model.or(own.as_ref()) else {
         check_images(&preset.effects, folder, &limits)?;
-        return Ok(Vec::new());
+        return Ok(Doubts::default());
     };
+    let (mut evaluation, missing) = subject.bind_lacking(preset, folder, &limits)?;
     let mut now = subject.points.clone();
-    let mut evaluation = subject.bind(preset, folder, &limits)?;
     evaluation.at(0.0, &mut now)?;
     if let Some(point) = now.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
         return Err(ApplyError::OutOfRange { point, seconds: 0.0 });
     }
-    let mut warnings = subject.warnings();
-    warnings.extend(evaluation.warnings());
-    Ok(warnings)
+    let mut warnings = own.as_ref().map_or_else(Vec::new, Subject::warnings);
+    let name = printable(&file.file);
+    warnings.extend(evaluation.warnings().into_iter().map(|warning| format!("{name}: {warning}")));
+    Ok(Doubts { missing, warnings })
 }

@@ -51,6 +51,34 @@ pub(crate) fn warn(console: Console, preset: &PresetFile, strict: bool) -> Resul
     if strict && !warnings.is_empty() { Err(Failure::said(Fault::Preset)) } else { Ok(()) }
 }
 
+/// Shows what a preset asks for and an object lacks. That is an error, but a warning where it is the preset's own object and
+/// not `strict`: a model that it is for may have it.
+pub(crate) fn lacks(
+    console: Console,
+    preset: &PresetFile,
+    missing: &[PresetError],
+    own: bool,
+    strict: bool,
+) -> Result<(), Failure> {
+    const NOTE: &str = "this is about the preset's own object; `--on MODEL` checks against a model";
+    let warn = own && !strict;
+    let tell = |line: &str| if warn { console.note(line) } else { say(line) };
+    for error in missing.iter().take(MOST) {
+        let help = match &error.help {
+            Some(help) if own => Some(format!("{help} ({NOTE})")),
+            None if own => Some(NOTE.to_owned()),
+            help => help.clone(),
+        };
+        let error = PresetError { help, ..error.clone() };
+        let level = if warn { Level::WARNING } else { Level::ERROR };
+        tell(&draw(console, level, &preset.file, &preset.text, &error));
+    }
+    if missing.len() > MOST {
+        tell(&format!("and {} more {}", missing.len() - MOST, if warn { "warnings" } else { "errors" }));
+    }
+    if warn || missing.is_empty() { Ok(()) } else { Err(Failure::said(Fault::Preset)) }
+}
+
 fn draw(console: Console, level: Level<'_>, file: &str, text: &[u8], error: &PresetError) -> String {
     let valid = match std::str::from_utf8(text) {
         Ok(text) => text,

@@ -107,7 +107,8 @@ fn asset_table(facts: &AssetFacts) -> String {
     let shown = [of(facts.vertices, "vertex", "vertices"), of(facts.triangles, "triangle", "triangles")];
     table.row("shown", &shown.join(", "));
     if let Some(bounds) = facts.bounds {
-        let corner = |p: [f32; 3]| format!("({}, {}, {})", p[0], p[1], p[2]);
+        // Adding 0 makes −0 equal to 0.
+        let corner = |p: [f32; 3]| format!("({}, {}, {})", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0);
         table.row("bounds", &format!("{} to {}", corner(bounds.min), corner(bounds.max)));
     }
     if facts.container != "obj" {

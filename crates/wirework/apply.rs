@@ -121,7 +121,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         warnings: subject.warnings(),
         ..Report::default()
     };
-    let masks = masks(&subject, &preset.effects, preset_dir(job), &job.limits)?;
+    let masks = masks(&subject, &preset.effects, preset_dir(job), &job.limits)?.complete()?;
     let bounds = subject.bounds();
     let Subject { points, triangles, model, net, point_of, own } = subject;
     if let Some(clip) = job.clip {
@@ -158,8 +158,10 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, None)?,
     };
     report.warnings.extend(product.warnings);
-    report.warnings.extend(film.evaluation.warnings());
-    report.warnings.extend(film.evaluation.idle_warnings());
+    let file = preset_file(job);
+    let of_effects = film.evaluation.warnings().into_iter().chain(film.evaluation.idle_warnings());
+    report.warnings.extend(of_effects.map(|warning| format!("{file}{warning}")));
+    report.clip = product.clip;
     if job.strict && !report.warnings.is_empty() {
         return Err(ApplyError::Strict(report.warnings));
     }
@@ -277,6 +279,14 @@ fn same_place(a: &Path, b: &Path) -> bool {
 fn own_object(job: &Job<'_>) -> Option<PathBuf> {
     let object = job.preset.object.as_ref().filter(|_| job.input.is_none())?;
     object.file(preset_dir(job))
+}
+
+/// What stands before a warning about the preset; nothing where it is no file.
+fn preset_file(job: &Job<'_>) -> String {
+    let file = Some(job.preset_path).filter(|path| path.is_file());
+    file.map_or_else(String::new, |path| {
+        format!("{}: ", wirework_asset::printable(&path.display().to_string()))
+    })
 }
 
 /// The folder that names of files in the preset are relative to.

@@ -144,7 +144,7 @@ impl<'a> Evaluation<'a> {
         if let Some(effect) = effects.iter().position(in_bounds).filter(|_| !has_extent(&frame)) {
             return Err(EvaluateError::NoExtent { effect });
         }
-        let Masks { of_effects, warnings } = masks;
+        let Masks { of_effects, warnings, missing: _ } = masks;
         let masks = of_effects.into_iter().chain(std::iter::repeat_with(EffectMasks::default));
         let stage = |(index, (effect, masks))| Stage::new(index, effect, &frame, masks);
         let mut stages: Vec<Stage> = effects.iter().zip(masks).enumerate().map(stage).collect();

@@ -77,5 +77,16 @@ fn effects_that_reach_nothing_are_named_and_buffers_checked() {
     effect.at(0.0, &mut out).unwrap();
     assert_eq!(effect.idle().collect::<Vec<_>>(), [0]);
     assert_eq!(effect.wire_count(), 2);
+    let idle = [
+        "the effect reaches no vertex: nothing moves; the points lie between (-1, 0, -1) and (1, 0, 1) [no-reach]",
+    ];
+    assert_eq!(effect.idle_warnings(), idle);
+    let signed = [[-0.0, -0.0, -1.0], [5.0, -0.0, -0.0]];
+    let mut alone = Evaluation::new(&preset.effects[..1], &signed, &[]).unwrap();
+    alone.at(0.0, &mut signed.clone()).unwrap();
+    let idle = [
+        "the effect reaches no vertex: nothing moves; the points lie between (0, 0, -1) and (5, 0, 0) [no-reach]",
+    ];
+    assert_eq!(alone.idle_warnings(), idle);
     assert_eq!(effect.at(0.0, &mut out[1..]), Err(EvaluateError::PointCount { points: 25, found: 24 }));
 }

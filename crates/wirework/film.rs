@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use serde_json::Value;
 use wirework_asset::{Clip, Format, Gltf, Obj, OutputFile, write_obj};
 use wirework_bake::{Baker, Settings};
 use wirework_preset::ObjectError;
@@ -12,13 +13,15 @@ use crate::error::count;
 use crate::output::{Pattern, Scene, scene_mesh};
 use crate::shade::{Vertices, own_normals};
 use crate::subject::{Model, unfit};
-use crate::{ApplyError, Evaluation, Job, Progress, Schedule};
+use crate::{ApplyError, Evaluation, Job, NewClip, Progress, Schedule};
 
 /// What came out.
 #[derive(Default)]
 pub(crate) struct Product {
     pub(crate) files: Vec<OutputFile>,
     pub(crate) warnings: Vec<String>,
+    /// The clip that was added.
+    pub(crate) clip: Option<NewClip>,
 }
 
 /// An effect on its way through time.
@@ -88,6 +91,7 @@ impl Film<'_> {
     ) -> Result<Product, ApplyError> {
         let Scene { mut gltf, rest, point_of } = scene;
         let known = gltf.warnings().len();
+        let clips = gltf.clip_names().len();
         let start = Instant::now();
         let mut vertices = [Vertices::of_scene(&rest, point_of)?];
         self.shade += start.elapsed();
@@ -119,7 +123,8 @@ impl Film<'_> {
         self.write += start.elapsed();
         let warnings = gltf.warnings().iter().skip(known);
         let file = wirework_asset::printable(gltf.file());
-        Ok(Product { files, warnings: warnings.map(|warning| format!("{file}: {warning}")).collect() })
+        let warnings = warnings.map(|warning| format!("{file}: {warning}")).collect();
+        Ok(Product { files, warnings, clip: new_clip(&gltf, clips) })
     }
 
     pub(crate) fn obj(
@@ -161,6 +166,17 @@ impl Film<'_> {
         }
         Ok(Product { files, ..Product::default() })
     }
+}
+
+/// The clip that stands behind the `known` ones, if there is one.
+fn new_clip(gltf: &Gltf, known: usize) -> Option<NewClip> {
+    let name = gltf.clip_names().get(known)?.unwrap_or_default().to_owned();
+    let clips = gltf.json().get("animations")?.as_array()?;
+    let weights = |channel: &Value| channel.pointer("/target/path").is_some_and(|path| path == "weights");
+    let moves_weights = |clip: &Value| clip.get("channels")?.as_array().map(|all| all.iter().any(weights));
+    let own = clips.iter().take(known).enumerate();
+    let could_join = own.filter(|(_, clip)| moves_weights(clip) != Some(true)).map(|(index, _)| index);
+    Some(NewClip { index: known, name, could_join: could_join.collect() })
 }
 
 /// Puts present positions, and normals where there are any, into a mesh.

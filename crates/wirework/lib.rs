@@ -130,11 +130,12 @@ pub use apply::{Job, Progress, apply};
 pub use error::{ApplyError, Fault};
 pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{
-    AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts, PresetFacts, SkinFacts, inspect_asset,
+    AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts, PresetFacts,
+    SkinFacts, inspect_asset,
 };
 pub use mask::check_images;
 pub use net::ControlNet;
 pub use preset_file::{PresetFile, PresetFileError, parse_preset, read_preset};
-pub use report::Report;
+pub use report::{NewClip, Report};
 pub use schedule::{Schedule, ScheduleError, When, schedule};
 pub use subject::{FileKind, Model, Subject};

@@ -13,13 +13,37 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use wirework_asset::Limits;
+use wirework_asset::{AssetError, Limits, printable};
 use wirework_preset::{Action, Effect, Mask, Only, PresetError, PresetErrorKind};
 
-use crate::{ApplyError, Subject};
+use crate::{ApplyError, Model, Subject};
 
 /// A factor for each point.
 type Factors = Arc<[f32]>;
+
+/// So many names that are not there are looked up for the nearest one; a preset may have as many as it has bytes.
+const MISSING_LISTED: usize = 64;
+
+/// Why there are no factors.
+#[derive(Debug)]
+enum Lack {
+    /// The object lacks what the preset asks for: names, colours, texture coordinates.
+    Missing(Vec<PresetError>),
+    /// Whatever else is wrong.
+    Other(ApplyError),
+}
+
+impl From<ApplyError> for Lack {
+    fn from(error: ApplyError) -> Self {
+        Self::Other(error)
+    }
+}
+
+impl From<AssetError> for Lack {
+    fn from(error: AssetError) -> Self {
+        Self::Other(error.into())
+    }
+}
 
 /// The masks of one effect.
 #[derive(Clone, Debug, Default)]
@@ -37,6 +61,15 @@ pub(crate) struct Masks {
     pub(crate) of_effects: Vec<EffectMasks>,
     /// What an effect asks for that is there, but has no vertex, and the like.
     pub(crate) warnings: Vec<String>,
+    /// What effects ask for that the object lacks; its masks are left out.
+    pub(crate) missing: Vec<PresetError>,
+}
+
+impl Masks {
+    /// The masks, if nothing is missing.
+    pub(crate) fn complete(mut self) -> Result<Self, ApplyError> {
+        if self.missing.is_empty() { Ok(self) } else { Err(refused(self.missing.swap_remove(0))) }
+    }
 }
 
 impl EffectMasks {
@@ -94,12 +127,11 @@ pub fn check_images(effects: &[Effect], preset_dir: &Path, limits: &Limits) -> R
     painted(effects).try_for_each(|mask| paint::check(mask, preset_dir, limits))
 }
 
-/// The masks of `effects` on the points of `subject`; images are relative to `preset_dir`.
+/// The masks of `effects` on the points of `subject`, and what is missing for them; images are relative to `preset_dir`.
 ///
 /// # Errors
 ///
-/// [`ApplyError::Preset`]: a name that is not there, a colour or an image where there is none or that cannot be read;
-/// [`ApplyError::Asset`]: malformed colours or indices.
+/// [`ApplyError::Preset`]: an image that cannot be read; [`ApplyError::Asset`]: malformed colours or indices.
 pub(crate) fn masks(
     subject: &Subject,
     effects: &[Effect],
@@ -114,9 +146,10 @@ pub(crate) fn masks(
         paints: Vec::new(),
         made: 0,
         warnings: Vec::new(),
+        missing: Vec::new(),
     };
     let of_effects = effects.iter().map(|effect| maker.effect(effect)).collect::<Result<_, _>>()?;
-    Ok(Masks { of_effects, warnings: maker.warnings })
+    Ok(Masks { of_effects, warnings: maker.warnings, missing: maker.missing })
 }
 
 /// Makes masks, each once: the many wires of a lattice share theirs.
@@ -129,6 +162,7 @@ struct Maker<'a> {
     /// How many lists there are.
     made: u64,
     warnings: Vec<String>,
+    missing: Vec<PresetError>,
 }
 
 impl<'a> Maker<'a> {
@@ -164,8 +198,11 @@ impl<'a> Maker<'a> {
         if let Some((_, known)) = self.onlys.iter().find(|(other, _)| *other == only) {
             return Ok(known.clone());
         }
-        let factors = only::factors(only, self.subject, &mut self.warnings)?;
-        let factors = self.keep(factors)?;
+        if self.missing.len() >= MISSING_LISTED {
+            return Ok(None);
+        }
+        let factors = only::factors(only, self.subject, &mut self.warnings);
+        let factors = self.take(factors)?;
         self.onlys.push((only, factors.clone()));
         Ok(factors)
     }
@@ -174,8 +211,8 @@ impl<'a> Maker<'a> {
         if let Some((_, known)) = self.paints.iter().find(|(other, _)| *other == mask) {
             return Ok(known.clone());
         }
-        let factors = paint::factors(mask, self.subject, self.preset_dir, self.limits, &mut self.warnings)?;
-        let factors = self.keep(factors)?;
+        let factors = paint::factors(mask, self.subject, self.preset_dir, self.limits, &mut self.warnings);
+        let factors = self.take(factors)?;
         self.paints.push((mask, factors.clone()));
         Ok(factors)
     }
@@ -184,6 +221,26 @@ impl<'a> Maker<'a> {
         match (a, b) {
             (Some(a), Some(b)) => self.keep(a.iter().zip(b.iter()).map(|(a, b)| a * b).collect()),
             (a, b) => Ok(a.or(b)),
+        }
+    }
+
+    /// The factors, or a note of what is missing for them.
+    fn take(&mut self, factors: Result<Vec<f32>, Lack>) -> Result<Option<Factors>, ApplyError> {
+        match factors {
+            Ok(factors) => self.keep(factors),
+            Err(Lack::Other(error)) => Err(error),
+            Err(Lack::Missing(errors)) => {
+                let file = match &self.subject.model {
+                    Model::Gltf { gltf, .. } => Some(gltf.file()),
+                    Model::Mesh { obj, .. } => obj.as_ref().map(|obj| obj.file()),
+                };
+                let file = file.map_or_else(String::new, |file| format!("{}: ", printable(file)));
+                self.missing.extend(errors.into_iter().map(|error| {
+                    let message = format!("{file}{}", error.message);
+                    PresetError { message, ..error }
+                }));
+                Ok(None)
+            }
         }
     }
 

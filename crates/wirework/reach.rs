@@ -16,13 +16,15 @@ impl Evaluation<'_> {
             if self.is_empty_lattice(effect) {
                 let span = span(self.points());
                 format!(
-                    "all points lie outside the lattice of the effect{which}, from {min:?} to {max:?}: nothing \
-                     moves{span} [outside-lattice]"
+                    "all points lie outside the lattice of the effect{which}, from {} to {}: nothing moves{span} \
+                     [outside-lattice]",
+                    point(min),
+                    point(max)
                 )
             } else {
                 format!(
-                    "{outside} of {points} points {lie} outside the lattice of the effect{which} and cannot move \
-                     [outside-lattice]"
+                    "{outside} of {points} points {lie} outside the lattice of the effect{which} and cannot move: \
+                     the object may tear at the lattice's border [outside-lattice]"
                 )
             }
         };
@@ -45,6 +47,12 @@ fn which(effect: usize) -> String {
 
 fn span(points: &[[f32; 3]]) -> String {
     Bounds::of(points).map_or_else(String::new, |Bounds { min, max }| {
-        format!("; the points lie between {min:?} and {max:?}")
+        format!("; the points lie between {} and {}", point(min), point(max))
     })
+}
+
+/// A point as presets have it, without a minus before nothing.
+fn point(p: [f32; 3]) -> String {
+    let [x, y, z] = p.map(|c| c + 0.0);
+    format!("({x}, {y}, {z})")
 }

@@ -26,8 +26,22 @@ pub struct Report {
     pub total_ms: f64,
     /// The most memory the process has held so far, bytes; 0 where the system does not tell (other than Linux).
     pub peak_bytes: u64,
+    /// The clip that the animation was added as; none for a still, an OBJ, or where a clip of the input takes the effect.
+    pub clip: Option<NewClip>,
     /// What was repaired, passed over, or is hardly meant.
     pub warnings: Vec<String>,
+}
+
+/// A clip that was added to a document.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct NewClip {
+    /// Its number, from 0: so many clips stand before it.
+    pub index: usize,
+    /// Its name.
+    pub name: String,
+    /// The clips before it that could take the effect: those that move no weights of their own.
+    pub could_join: Vec<usize>,
 }
 
 impl Report {

@@ -5,10 +5,10 @@ use std::io::Read;
 use std::path::Path;
 
 use wirework_asset::{AssetError, Gltf, Limits, Obj, Rest};
-use wirework_preset::{Object, Preset};
+use wirework_preset::{Object, Preset, PresetError};
 use wirework_surface::{Bounds, Mesh, Transform};
 
-use crate::mask::masks;
+use crate::mask::{Masks, masks};
 use crate::weld::Weld;
 use crate::{ApplyError, ControlNet, EvaluateError, Evaluation};
 
@@ -209,7 +209,28 @@ impl Subject {
         preset_dir: &Path,
         limits: &Limits,
     ) -> Result<Evaluation<'a>, ApplyError> {
-        let masks = masks(self, &preset.effects, preset_dir, limits)?;
+        let masks = masks(self, &preset.effects, preset_dir, limits)?.complete()?;
+        self.bind_masked(preset, masks)
+    }
+
+    /// The same, but names, colours and texture coordinates that the object lacks are no errors: they are listed beside, and
+    /// the effects are bound without their `only` or `mask`.
+    ///
+    /// # Errors
+    ///
+    /// An effect does not fit the object; an image is not there or cannot be read.
+    pub fn bind_lacking<'a>(
+        &'a self,
+        preset: &Preset,
+        preset_dir: &Path,
+        limits: &Limits,
+    ) -> Result<(Evaluation<'a>, Vec<PresetError>), ApplyError> {
+        let mut masks = masks(self, &preset.effects, preset_dir, limits)?;
+        let missing = std::mem::take(&mut masks.missing);
+        Ok((self.bind_masked(preset, masks)?, missing))
+    }
+
+    fn bind_masked(&self, preset: &Preset, masks: Masks) -> Result<Evaluation<'_>, ApplyError> {
         Evaluation::masked(&preset.effects, masks, &self.points, &self.triangles, self.bounds())
             .map_err(unfit(self.own))
     }

@@ -196,7 +196,8 @@ fn the_input_is_overwritten_only_on_request() {
 #[test]
 fn an_effect_goes_into_a_clip_of_the_input() {
     let place = Place::new();
-    place.run("apply lift.ron -o first.glb").expect(0);
+    let err = place.run("apply lift.ron -o first.glb").expect(0).err();
+    assert!(!err.contains("its clip"), "it is the only one: {err}");
     // The same node's weights move already in that clip.
     place.run("apply lift.ron first.glb -o second.glb --into wirework").expect(3);
     place.run("apply lift.ron first.glb -o second.glb --into 0").expect(3);
@@ -204,7 +205,8 @@ fn an_effect_goes_into_a_clip_of_the_input() {
     assert!(err.contains("\"wirework\""), "it names the clips there are: {err}");
     place.run("apply lift.ron first.glb -o second.glb --clip walk").expect(2);
     place.run("apply lift.ron first.glb -o second.glb --at 0 --into 0").expect(2);
-    place.run("apply lift.ron first.glb -o second.glb --clip wirework --into new").expect(0);
+    let err = place.run("apply lift.ron first.glb -o second.glb --clip wirework --into new").expect(0).err();
+    assert!(err.ends_with("; its clip is 1 \"wirework_2\"\n"), "{err}");
     let second = Gltf::read(&place.path("second.glb"), &Limits::default()).unwrap();
     assert_eq!(second.clip_names(), [Some("wirework"), Some("wirework_2")]);
     check_grid(

@@ -166,8 +166,9 @@ fn names_and_images_that_are_not_there_are_told_at_their_place() {
     place.run("check name.ron").expect(0);
     // An object of its own is a node with the name of the preset.
     place.run("check sheet.ron").expect(0);
-    for line in ["check own.ron", "apply own.ron -o out.glb"] {
-        let err = place.run(line).expect(4).err();
+    for (line, code) in [("check own.ron", 0), ("check --strict own.ron", 4), ("apply own.ron -o out.glb", 4)]
+    {
+        let err = place.run(line).expect(code).err();
         assert!(err.contains("own.ron:1:") && err.contains("\"gird\""), "{err}");
     }
     assert_eq!(place.files(), before, "nothing is written");
@@ -228,12 +229,15 @@ fn what_lies_outside_a_lattice_is_a_warning() {
     place.write("none.ron", preset(2.0));
     for command in ["check some.ron", "apply some.ron -o some.obj"] {
         let err = place.run(command).expect(0).err();
-        assert!(err.contains("warning: 10 of 25 points lie outside the lattice"), "{command}: {err}");
+        assert!(
+            err.contains("warning: some.ron: 10 of 25 points lie outside the lattice"),
+            "{command}: {err}"
+        );
         place.run(&format!("{command} --strict")).expect(3);
     }
     let err = place.run("apply none.ron -o none.obj").expect(0).err();
     assert!(
-        err.contains("all points lie outside the lattice of the effect, from [2.0, -1.0, -1.0]"),
+        err.contains("all points lie outside the lattice of the effect, from (2, -1, -1) to (9, 1, 1)"),
         "{err}"
     );
     assert_eq!(err.matches("warning").count(), 1, "{err}");

@@ -111,7 +111,18 @@ fn a_skinned_textured_clip_keeps_all_and_rises_where_it_stands() {
     let (old, old_bin) = chunks(&input);
     let rest = &oracle::evaluate(&input, None, 0.0)[0].positions;
     for (flags, clip) in [("", "wirework"), (" --into walk", "walk")] {
-        place.run(&format!("apply rise.ron in.glb -o out.glb{flags}")).expect(0);
+        let err = place.run(&format!("apply rise.ron in.glb -o out.glb{flags}")).expect(0).err();
+        let told = " s; its clip is 1 \"wirework\", --into 0 joins it with the input's own\n";
+        assert_eq!(
+            (err.matches("its clip").count(), err.ends_with(told)),
+            (usize::from(flags.is_empty()), flags.is_empty()),
+            "{err}"
+        );
+        let line = format!("apply rise.ron in.glb -o out.glb{flags}");
+        for still in [" -q", " --at 1"].iter().filter(|_| flags.is_empty()) {
+            assert!(!place.run(&format!("{line}{still}")).expect(0).err().contains("its clip"), "{still}");
+        }
+        place.run(&line).expect(0);
         let glb = place.read("out.glb");
         let (new, new_bin) = chunks(&glb);
         for key in

@@ -80,17 +80,77 @@ fn what_a_mask_needs_and_is_not_there_is_refused_at_its_place() {
     place.write("none.ron", masked("Image(\"none.png\", G)"));
     place.write("text.ron", masked("Image(file: \"lift.ron\")"));
     place.write("color.ron", masked("VertexColor(R)"));
-    for (preset, at, told) in [
-        ("none.ron", "none.ron:3:17", "the image \"none.png\" is not there"),
-        ("text.ron", "text.ron:3:23", "is no PNG or JPEG"),
-        ("color.ron", "color.ron", "the object has none"),
+    for (preset, at, told, checked) in [
+        ("none.ron", "none.ron:3:17", "the image \"none.png\" is not there", 4),
+        ("text.ron", "text.ron:3:23", "is no PNG or JPEG", 4),
+        // A model may have what the preset's own object lacks.
+        ("color.ron", "color.ron:3:23", "the object has none", 0),
     ] {
-        for line in [format!("apply {preset} -o out.glb"), format!("check {preset}")] {
-            let err = place.run(&line).expect(4).err();
+        for (line, code) in [(format!("apply {preset} -o out.glb"), 4), (format!("check {preset}"), checked)]
+        {
+            let err = place.run(&line).expect(code).err();
             assert!(err.contains(at) && err.contains(told), "{line}: {err}");
         }
     }
     assert!(!place.files().contains(&"out.glb".to_owned()));
+}
+
+#[test]
+fn check_warns_of_what_the_own_object_lacks_and_refuses_what_a_model_lacks() {
+    let place = Place::new();
+    place.write("in.glb", triangle(json!({ "name": "arm" })).glb());
+    place.write("in.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+    DynamicImage::ImageLuma8(ImageBuffer::from_pixel(1, 1, Luma([9]))).save(place.path("mask.png")).unwrap();
+    let only = LIFT.replacen("wires:", "only: Nodes([\"arm\", \"leg\"]),\n    wires:", 1);
+    place.write("only.ron", only);
+    place.write("arm.ron", LIFT.replacen("wires:", "only: Nodes([\"arm\"]),\n    wires:", 1));
+    place.write("color.ron", masked("VertexColor(R)"));
+    place.write(
+        "cloud.ron",
+        masked("Image(\"mask.png\")").replace("Grid(size: (2, 2), cells: (16, 16))", "Points([(0, 0, 0)])"),
+    );
+    for (preset, told) in [
+        ("only.ron", &["only.ron:3:18", "no node \"arm\"", "only.ron:3:25", "no node \"leg\""][..]),
+        ("color.ron", &["color.ron:3:23", "the object has none"]),
+        ("cloud.ron", &["cloud.ron:3:17", "no texture coordinates"]),
+    ] {
+        let err = place.run(&format!("check {preset}")).expect(0).err();
+        for part in told.iter().chain(&["warning", "own object", "`--on MODEL`", "ron: ok\n"]) {
+            assert!(err.contains(part), "{part:?} in\n{err}");
+        }
+        assert_eq!(place.run(&format!("check -q {preset}")).expect(0).err(), "");
+        let err = place.run(&format!("check {preset} --strict")).expect(4).err();
+        assert!(err.contains("error") && !err.contains("ok"), "{err}");
+        for model in ["in.glb", "in.obj"] {
+            let err = place.run(&format!("check {preset} --on {model}")).expect(4).err();
+            assert!(err.contains(&format!("error: {model}: ")) && !err.contains("own object"), "{err}");
+            let all = err.matches("error: ").count();
+            assert_eq!(all, if (preset, model) == ("only.ron", "in.obj") { 2 } else { 1 }, "{err}");
+            place.run(&format!("apply {preset} {model} -o out.glb")).expect(4);
+        }
+    }
+    let err = place.run("check arm.ron lift.ron --on in.glb").expect(0).err();
+    assert!(err.ends_with("arm.ron: ok\nlift.ron: ok\n") && !err.contains("own object"), "{err}");
+    place.run("check lift.ron --on in.obj --strict").expect(0);
+    // The model has a doubt of its own: bounds that are not those of its data.
+    place.run("check arm.ron --on in.glb --strict").expect(3);
+    place.run("check lift.ron --on none.glb").expect(3);
+    // Who forgets `--on` is told.
+    let err = place.run("check lift.ron in.glb").expect(2).err();
+    assert!(
+        err.contains("lift.ron: ok") && err.contains("in.glb: found a model") && err.contains("--on in.glb"),
+        "{err}"
+    );
+}
+
+#[test]
+fn many_joints_without_names_are_told_by_inspect() {
+    let Some(path) = shared("rigged/cesium_man.glb") else { return };
+    let place = Place::new();
+    place.write("arm.ron", arm("only: Joints([\"Arm\"])"));
+    let path = path.to_str().unwrap();
+    let err = place.run_with(["apply", "arm.ron", path, "-o", "out.glb"], b"").expect(4).err();
+    assert!(err.contains(&format!("`wirework inspect {path}`")) && err.contains("error: "), "{err}");
 }
 
 #[test]

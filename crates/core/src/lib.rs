@@ -35,6 +35,7 @@ mod closest;
 mod curve;
 mod density;
 mod domain;
+mod flood;
 mod follow;
 mod frame;
 mod influence;

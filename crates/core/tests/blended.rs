@@ -116,6 +116,27 @@ fn jumps_across_the_medial_axis_fall_twentyfold() {
 }
 
 #[test]
+fn a_dent_in_a_leg_does_not_count_it_twice() {
+    // Two feet of one leg, on both sides of the dent, weigh no more than the leg did.
+    for dent in [0.0005_f32, 0.002, 0.02] {
+        let upper = [[2.0, 0.5, 0.0], [1.0, 0.5 + dent, 0.0], [0.0, 0.5, 0.0]];
+        let points: Vec<[f32; 3]> = upper.into_iter().chain([[0.0, -0.5, 0.0], [2.0, -0.5, 0.0]]).collect();
+        let mut wire = Wire { radius: 2.0, rotation: 0.0, ..Wire::new(Curve::polyline(points).unwrap()) };
+        for p in &mut wire.pose {
+            p[2] = 0.4 * p[1].signum();
+        }
+        let blended = Wire { closest: Closest::Blended(0.2), ..wire.clone() };
+        let along: Vec<[f32; 3]> = (0..800_u16).map(|i| [0.6 + 1e-3 * f32::from(i), 0.02, 0.0]).collect();
+        let across: Vec<[f32; 3]> = (0..600_u16).map(|i| [1.0, 1e-3 * f32::from(i) - 0.3, 0.0]).collect();
+        let before = jump(&across, &deform(&wire, &across));
+        for line in [along, across] {
+            let after = jump(&line, &deform(&blended, &line));
+            assert!(after <= before / 20.0, "dent {dent}: {after} after {before}");
+        }
+    }
+}
+
+#[test]
 fn away_from_the_medial_axis_both_agree() {
     let (mut agreed, mut differed) = (0, 0);
     for bend in BENDS {

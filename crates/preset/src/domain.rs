@@ -52,6 +52,30 @@ fn domain(reader: &mut Reader<'_>, node: &Node) -> Option<(Domain, KeyedDomain)>
     Some((domain, KeyedDomain { pose, delta, exponent }))
 }
 
+/// Domain curves of attributes that do nothing on this wire.
+pub(crate) fn lint_bounds(reader: &mut Reader<'_>, fields: &Fields<'_>, wire: &KeyedWire) {
+    let Some(Node { body: Body::List(items), .. }) = fields.again("domains") else { return };
+    for (index, (item, domain)) in items.iter().zip(&wire.fixed.domains).enumerate() {
+        let why = match domain.bounds {
+            Bounded::Scale if wire.rests(|v| &v.scale, 1.0) => "the wire's `scale` is 1",
+            Bounded::Twist if wire.rests(|v| &v.twist, 0.0) => "the wire's `twist` is 0",
+            Bounded::Rotation if wire.rests(|v| &v.rotation, 0.0) => "the wire's `rotation` is 0",
+            Bounded::Rotation if wire.lies_on_reference() => {
+                "the wire's pose is its curve, so nothing turns with it"
+            }
+            _ => continue,
+        };
+        let Some(bounds) = item.field("bounds") else { continue };
+        reader.within("domains", |reader| {
+            reader.within(format!("[{index}]"), |reader| {
+                reader.within("bounds", |reader| {
+                    reader.warn(&bounds.span, format!("this domain curve bounds nothing: {why}"));
+                });
+            });
+        });
+    }
+}
+
 /// Refuses domain curves that lie on the reference at all times; a warning where one does at some time, or touches it. None where
 /// the reader has looked at enough.
 pub(crate) fn check_domains(reader: &mut Reader<'_>, fields: &Fields<'_>, wire: &KeyedWire) -> Option<()> {

@@ -230,17 +230,21 @@ impl KeyedWire {
 
     /// Whether the wire leaves the object as it is at all times.
     pub(crate) fn is_still(&self) -> bool {
-        let all = |get: fn(&Values) -> &Option<Keyed<f32>>, rest: f32| {
-            [&self.values].into_iter().chain(&self.locators).all(|values| {
-                get(values).as_ref().is_none_or(|track| track.values().all(|&value| value == rest))
-            })
-        };
         let lies = self.lies_on_reference();
-        all(|v| &v.amplitude, 0.0) || (lies && all(|v| &v.scale, 1.0) && all(|v| &v.twist, 0.0))
+        self.rests(|v| &v.amplitude, 0.0)
+            || (lies && self.rests(|v| &v.scale, 1.0) && self.rests(|v| &v.twist, 0.0))
+    }
+
+    /// Whether an attribute is `rest` all along the wire at all times.
+    pub(crate) fn rests(&self, get: fn(&Values) -> &Option<Keyed<f32>>, rest: f32) -> bool {
+        [&self.values]
+            .into_iter()
+            .chain(&self.locators)
+            .all(|values| get(values).as_ref().is_none_or(|track| track.values().all(|&value| value == rest)))
     }
 
     /// Whether `W = R` at all times.
-    fn lies_on_reference(&self) -> bool {
+    pub(crate) fn lies_on_reference(&self) -> bool {
         let shifted = self.shifts.iter().any(|shift| shift.by.values().any(|by| *by != [0.0; 3]));
         let follows = match (&self.pose, &self.reference) {
             (None, _) => true,

@@ -18,6 +18,10 @@ const DEFAULT_CELLS: u8 = 3;
 /// Points of a wire lattice along each axis where none are given.
 const DEFAULT_LINES: u8 = 3;
 
+/// The radius of the wires of a lattice where none is given, in parts of its largest side. What lies between the lines is moved
+/// evenly only where all lines reach it with much the same influence; at 2 the farthest reach across the box and more.
+const DEFAULT_REACH: f64 = 2.0;
+
 /// The fewest and the most points of a wire lattice along an axis; the most make 768 wires.
 const LINES: RangeInclusive<u8> = 2..=16;
 
@@ -153,17 +157,25 @@ pub(crate) fn wire_lattice(reader: &mut Reader<'_>, node: &Node) -> Option<Vec<K
     let values = Values::read(reader, &mut fields);
     let manner = Manner::read(reader, &mut fields);
     reader.finish(fields);
-    let points = net.points(min?, max?);
+    let (min, max) = (min?, max?);
+    let (points, radius) = (net.points(min, max), reach(min, max));
     check_size(reader, node, net)?;
     let wires = net.each_line().filter_map(|line| {
         let of_line = |all: &[[f32; 3]]| line.iter().filter_map(|&i| all.get(i).copied()).collect::<Vec<_>>();
         let curve = Curve::bspline(degree, of_line(&points)).ok()?;
-        let mut wire = manner.wire(Wire::new(curve), values.clone());
+        let mut wire = manner.wire(Wire { radius, ..Wire::new(curve) }, values.clone());
         wire.pose = pose.as_ref().map(|pose| pose.map(|all| of_line(all)));
         wire.shifts = moves.iter().filter_map(|one| shift(net, &line, one)).collect();
         Some(wire.settled())
     });
     Some(wires.collect())
+}
+
+/// The default radius of the wires of a lattice in this box.
+fn reach(min: [f32; 3], max: [f32; 3]) -> f32 {
+    let side = |axis: usize| f64::from(max[axis]) - f64::from(min[axis]);
+    let largest = side(0).max(side(1)).max(side(2));
+    ((DEFAULT_REACH * largest) as f32).min(f32::MAX)
 }
 
 /// † all points of the lattice.

@@ -243,14 +243,19 @@ impl<'s> Scan<'s> {
         })
     }
 
+    /// Whether `name:` stands at the cursor, which it leaves behind the name.
+    pub(crate) fn names_field(&mut self) -> bool {
+        self.space();
+        self.name().is_some() && {
+            self.space();
+            self.peek() == Some(':')
+        }
+    }
+
     fn parenthesis(&mut self, depth: usize) -> Option<Body> {
         let start = self.at;
         self.at += 1;
-        self.space();
-        let named = self.name().is_some() && {
-            self.space();
-            self.peek() == Some(':')
-        };
+        let named = self.names_field();
         self.at = start;
         if named { self.entries(depth).map(Body::Fields) } else { self.items(')', depth).map(Body::Tuple) }
     }

@@ -163,7 +163,7 @@ pub(crate) fn scope(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> (Option
 /// The field `units`.
 pub(crate) fn units(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Units {
     reader.field(fields, "units", Units::Metres, |reader, node| {
-        reader.choice(node, "units", &[("Metres", Units::Metres), ("Bounds", Units::Bounds)])
+        reader.choice(node, "value of `units`", &[("Metres", Units::Metres), ("Bounds", Units::Bounds)])
     })
 }
 

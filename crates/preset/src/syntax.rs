@@ -20,6 +20,36 @@ fn after_name(text: &str) -> bool {
     word.and_then(|word| word.chars().next()).is_some_and(char::is_alphabetic)
 }
 
+/// A named field among values without a name, `Polyline([..], closed: true)`, where `ron` has read on to the byte `end` behind
+/// the field's name.
+fn unnamed(source: &str, end: usize) -> Option<Fault> {
+    let before = source.get(..end)?.trim_end();
+    let start = before
+        .rfind(|c| !is_word(c))
+        .map_or(0, |at| at + before[at..].chars().next().map_or(0, char::len_utf8));
+    let mut scan = Scan::new(source, end);
+    scan.space();
+    let open = (scan.token().1 == ":").then(|| scan.open_before(start))??;
+    let mut scan = Scan::new(source, open + 1);
+    if !source.get(open..)?.starts_with('(') || scan.names_field() {
+        return None;
+    }
+    let owner = source.get(..open)?.trim_end().rsplit(|c| !is_word(c)).next()?;
+    let help = match (owner, scan.token().1.as_str()) {
+        ("BSpline" | "Polyline" | "CatmullRom" | "Bezier" | "Points", "[") => "write `points: [..]`",
+        ("File", "\"") => "write `path: \"..\"`",
+        ("Image", "\"") => "write `file: \"..\"`",
+        _ => "write `field: value` for each",
+    };
+    let field = escape(&before[start..]);
+    Some(Fault {
+        message: format!("a value without a name cannot stand beside the named field `{field}`"),
+        span: start..before.len(),
+        kind: PresetErrorKind::Syntax,
+        help: Some(help.to_owned()),
+    })
+}
+
 /// The fault that `ron` found.
 pub(crate) fn fault(source: &str, error: &ron::error::SpannedError) -> Fault {
     use ron::Error as E;
@@ -38,12 +68,16 @@ pub(crate) fn fault(source: &str, error: &ron::error::SpannedError) -> Fault {
         _ => None,
     };
     let end = byte_at(source, error.span.end.line, error.span.end.col);
+    let named = error.code == E::ExpectedComma && after_name(source.get(..end).unwrap_or(""));
+    if let Some(fault) = named.then(|| unnamed(source, end)).flatten() {
+        return fault;
+    }
     let (span, message) = if let Some(expected) = about_next {
-        let colon = error.code == E::ExpectedComma && after_name(source.get(..end).unwrap_or(""));
-        let expected = if colon { "expected `:`, `,` or a closing bracket" } else { expected };
         let mut scan = Scan::new(source, end);
         scan.space();
         let (span, token) = scan.token();
+        let expected =
+            if named && token != ":" { "expected `:`, `,` or a closing bracket" } else { expected };
         let found = if scan.at_end() { String::new() } else { format!(", found `{token}`") };
         (span, expected.to_owned() + &found)
     } else {

@@ -7,12 +7,12 @@ use wirework_core::{Bend, Correspondence, Density, Domain, Interpolation, Keyed,
 use crate::curve::{curve, density};
 use crate::deform::Groups;
 use crate::direction::check_directions;
-use crate::domain::{check_domains, domains};
+use crate::domain::{check_domains, domains, lint_bounds};
 use crate::keyed_wire::{KeyedWire, Values};
 use crate::locators::{lint_overridden, locators};
 use crate::read::{Fields, Reader, Within};
 use crate::scope::{Mask, Only, scope};
-use crate::tree::{Body, Node};
+use crate::tree::{Body, Entry, Node};
 
 /// The fields that wires of any kind have beside their numbers.
 pub(crate) struct Manner {
@@ -88,6 +88,13 @@ fn width(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Option<Keyed<f32>>
                 reader.within("width", |reader| reader.keyed_number(width, Within::Positive))
             }
             ("Smallest", _) => reader.bad(node, "`Smallest` stands alone, without parentheses"),
+            ("Blended", Body::Fields(entries)) => {
+                let width = match entries.as_slice() {
+                    [Entry { value: Node { body: Body::Number { value, .. }, .. }, .. }] => value.to_string(),
+                    _ => "width".to_owned(),
+                };
+                reader.bad(node, format!("the width stands alone, without a name: `Blended({width})`"))
+            }
             ("Blended", _) => reader.bad(node, "expected `Blended(width)`"),
             _ => {
                 reader.unknown_name(name, "value of `closest`", &["Smallest", "Blended"]);
@@ -126,6 +133,7 @@ pub(crate) fn wire(reader: &mut Reader<'_>, node: &Node, groups: &mut Groups) ->
         KeyedWire { reference, pose, locators, domains, ..manner.wire(rest, values) }.settled()
     });
     if let Some(wire) = &wire {
+        lint_bounds(reader, &fields, wire);
         // Where there is too much to look at the rest goes unchecked.
         let _ = check_directions(reader, &fields, wire).and_then(|()| check_domains(reader, &fields, wire));
     }

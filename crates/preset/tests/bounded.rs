@@ -69,6 +69,37 @@ fn domains_move_with_all_they_have() {
 }
 
 #[test]
+fn domains_of_attributes_that_do_nothing_are_warnings() {
+    let domain = |bounds: &str| {
+        format!("domains: [Domain(curve: Polyline([(0, 0, 1), (1, 0, 1)]), bounds: {bounds})]")
+    };
+    warns(&domain("«Twist»"), "this domain curve bounds nothing: the wire's `twist` is 0");
+    warns(&domain("«Rotation»"), "the wire's pose is its curve");
+    let moved = "pose: [(0, 1, 0), (1, 0, 0)], ";
+    warns(&format!("{moved}rotation: 0, {}", domain("«Rotation»")), "the wire's `rotation` is 0");
+    // The wire of `warns` swells.
+    let plain = text(&format!("{moved}{}", domain("Scale"))).replace("scale: 2, ", "");
+    let found = warnings(&plain);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(
+        (found[0].0, found[0].1.contains("`scale` is 1")),
+        (plain.find("Scale").unwrap(), true),
+        "{found:?}"
+    );
+    for fields in [
+        domain("Influence"),
+        domain("Scale"),
+        domain("Amplitude"),
+        format!("{moved}{}", domain("Rotation")),
+        format!("twist: 90, {}", domain("Twist")),
+        format!("twist: Keys([(0, 0), (1, 1)]), {}", domain("Twist")),
+        format!("locators: [Locator(u: 0, twist: 0), Locator(u: 1, twist: 9)], {}", domain("Twist")),
+    ] {
+        assert_eq!(warnings(&text(&fields)), [], "{fields}");
+    }
+}
+
+#[test]
 fn everything_that_moves_sets_the_duration() {
     for field in [
         "direction: Keys([(0, (0, 1, 0)), (3, (0, 1, 1))])",
@@ -198,6 +229,8 @@ fn bad_bounds_are_refused_at_their_place() {
             "carries `direction` already",
         ),
         ("closest: Blended(«0»)".into(), "`width` must be greater than 0, found 0"),
+        ("closest: «Blended(width: 0.2)»".into(), "the width stands alone, without a name: `Blended(0.2)`"),
+        ("closest: «Blended(width: Keys([(0, 1)]))»".into(), "without a name: `Blended(width)`"),
         ("closest: Blended(Keys([(0, 1), (1, «-1»)]))".into(), "`width` must be greater than 0"),
         ("closest: «Blended»".into(), "expected `Blended(width)`"),
         ("closest: «Smallest(1)»".into(), "`Smallest` stands alone"),

@@ -68,7 +68,7 @@ fn presets_begin_at_rest_and_move_what_they_say() {
         ("deform/direction.ron", 1.5, 0.1, 0.18),
         ("deform/hairpin.ron", 1.0, 0.2, 0.4),
         ("deform/lattice.ron", 1.0, 1.0, 1.6),
-        ("deform/wirelattice.ron", 2.0, 0.2, 1.1),
+        ("deform/wirelattice.ron", 2.0, 1.2, 1.5),
         ("wrinkle/forehead.ron", 1.5, 0.02, 0.06),
         ("wrinkle/sleeve.ron", 1.5, 0.07, 0.085),
     ] {
@@ -80,6 +80,35 @@ fn presets_begin_at_rest_and_move_what_they_say() {
         if let Ok(folder) = std::env::var("WIREWORK_TEST_OBJ") {
             write(&Path::new(&folder).join(name.replace('/', "_")), &mesh, &frames[1]);
         }
+    }
+}
+
+#[test]
+fn a_lattice_of_wires_moves_faces_without_ripples() {
+    // At 1 s the right face is out, at 2 s its top row leans on and at 2.75 s it has swayed.
+    let (mesh, frames) = run("deform/wirelattice.ron", &[1.0, 2.0, 2.75]);
+    let at = |frame: usize, y: f32, z: f32| -> [f32; 3] {
+        let here = |p: &[f32; 3]| p[0] == 1.0 && (p[1] - y).abs() < 1e-4 && (p[2] - z).abs() < 1e-4;
+        let index = mesh.positions.iter().position(here).expect("a vertex");
+        [0, 1, 2].map(|axis| frames[frame][index][axis] - mesh.positions[index][axis])
+    };
+    let places: Vec<f32> = (0_u8..=32).map(|i| f32::from(i) / 16.0 - 1.0).collect();
+    let face: Vec<f32> = places
+        .iter()
+        .flat_map(|&y| places.iter().map(move |&z| (y, z)))
+        .map(|(y, z)| at(0, y, z)[0])
+        .collect();
+    let (least, most) = face.iter().fold((f32::MAX, 0.0_f32), |(a, b), x| (a.min(*x), b.max(*x)));
+    assert!(least > 0.5 && most < 0.8, "{least} to {most}");
+    assert!(most - least < 0.1, "the face stays nearly flat: {least} to {most}");
+    for z in [-1.0, 0.5, 1.0] {
+        let rising: Vec<[f32; 3]> = places.iter().map(|&y| at(1, y, z)).collect();
+        assert!(
+            rising.windows(2).all(|w| w[1][0] > w[0][0] - 1e-3),
+            "farther out from row to row: {rising:?}"
+        );
+        assert!(rising[32][0] > rising[0][0] + 0.4, "{rising:?}");
+        assert!(at(2, 1.0, z)[2] > 0.3 && at(2, -1.0, z)[2] < 0.1);
     }
 }
 

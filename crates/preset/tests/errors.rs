@@ -290,6 +290,34 @@ fn syntax_errors_stand_where_they_are() {
 }
 
 #[test]
+fn a_value_without_a_name_beside_a_named_field() {
+    let wire = |curve: &str| format!("Deform(wires: [\n  Wire(curve: {curve}, radius: 2),\n])");
+    for (text, field, help) in [
+        (wire("Polyline([(0, 0, 0), (1, 0, 0)], «closed»: true)"), "closed", "write `points: [..]`"),
+        (
+            wire("BSpline( /* ( */ [(0, 0, 0)],\n  «degree» : 2, closed: true)"),
+            "degree",
+            "write `points: [..]`",
+        ),
+        (wire("CatmullRom(\n // points: here )\n [(0, 0, 0)], «closed»: true)"), "closed", "`points: [..]`"),
+        (with_object("File(\"a(b].glb\", «scale»: 2)"), "scale", "write `path: \"..\"`"),
+        (with_object("Points([(0, 0, 0)], «scale»: 2)"), "scale", "write `points: [..]`"),
+        (in_wire("mask: Image(\"m.png\", «channel»: R)"), "channel", "write `file: \"..\"`"),
+        (in_wire("locators: [Locator(0.5, «scale»: 2)]"), "scale", "write `field: value` for each"),
+    ] {
+        let message = format!("a value without a name cannot stand beside the named field `{field}`");
+        check(&text, PresetErrorKind::Syntax, &message, Some(help));
+    }
+    // A list has no fields at all.
+    check(
+        "Deform(wires: [a«:» 1])",
+        PresetErrorKind::Syntax,
+        "expected `,` or a closing bracket, found `:`",
+        None,
+    );
+}
+
+#[test]
 fn all_semantic_errors_are_found_at_once() {
     let text = in_wire("radius: 0, scale: NaN, bend: Foo, locators: [Locator(u: 3, twist: inf)]");
     let found = errors(&text);

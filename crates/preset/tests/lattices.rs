@@ -68,6 +68,19 @@ fn by_default_there_are_27_cubic_wires() {
 }
 
 #[test]
+fn by_default_the_wires_reach_twice_the_largest_side() {
+    // The box is 2 × 4 × 6.
+    assert!(wires("scale: 2").iter().all(|wire| wire.at(0.0).radius == 12.0));
+    assert!(wires("scale: 2, radius: 1").iter().all(|wire| wire.at(0.0).radius == 1.0));
+    for (min, max, radius) in [("-3e38", "3e38", f32::MAX), ("0", "1e-45", 2.0 * f32::from_bits(1))] {
+        let text = format!(
+            "Deform(wires: [WireLattice(min: ({min}, {min}, {min}), max: ({max}, {max}, {max}), scale: 2)])"
+        );
+        assert!(deform(&text).wires.iter().all(|wire| wire.at(0.0).radius == radius), "{text}");
+    }
+}
+
+#[test]
 fn a_move_takes_along_the_points_with_its_indices() {
     let moves = "moves: [Move(x: 2, by: Keys([(0, (0, 0, 0)), (2, (1, 0, 0))])), Move(x: 2, y: 1, z: 0, by: (0, 0, 0.5))]";
     let wires = wires(moves);

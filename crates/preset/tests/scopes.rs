@@ -176,7 +176,7 @@ fn bad_scopes_are_refused_at_their_place() {
         ("mask: Image(«7», R)", Value, "the path of an image in quotes", None),
         ("mask: «Image(\"a\", R, G)»", Value, "expected `Image(\"mask.png\", R)`", None),
         ("mask: Image(«fiel»: \"a.png\")", Name, "no field `fiel`", Some("did you mean `file`?")),
-        ("units: «Metre»", Name, "no units `Metre`", Some("did you mean `Metres`?")),
+        ("units: «Metre»", Name, "no value of `units` `Metre`", Some("did you mean `Metres`?")),
         ("units: «Bounds(1)»", Value, "`Bounds` stands alone", None),
     ] {
         for text in effects(field) {

@@ -135,6 +135,11 @@ fn lattices_in_comments_run_and_are_shown_whole() {
     let preset = format!("Deform(wires: [{wires}], lattice: {lattice})");
     let parsed = parse(preset.as_bytes(), &Limits::default()).unwrap_or_else(|e| panic!("{preset}\n{e}"));
     assert_eq!(parsed.warnings, []);
+    // The radius that is shown is the default.
+    let without = preset.replacen("radius: 4,", "", 1);
+    assert_ne!(without, preset);
+    let without = parse(without.as_bytes(), &Limits::default()).expect("good");
+    assert_eq!(without.preset, parsed.preset);
     for owner in ["WireLattice(", "Move(", "Lattice(min: (-2"] {
         let own = preset.replacen(owner, &owner.replacen('(', "(nowhere: 1, ", 1), 1);
         let errors = parse(own.as_bytes(), &Limits::default()).unwrap_err();

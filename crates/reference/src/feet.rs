@@ -1,31 +1,20 @@
 //! `closest: Blended(width)`: several feet of one point, and what each counts. \[SF98\] §6 leaves the step across the
 //! medial axis open.
 //!
-//! Foot `i`, a local minimum of the distance `dᵢ`, weighs `a((dᵢ − min d) / width)·ρᵢ`, with
-//! - `a(x) = q / (1 − q)`, `q = t²(3 − 2t)`, `t = (1 − x) / 2`: 1 for the nearest, 0 from `width` farther on;
-//! - `ρᵢ = min B(Sᵢⱼ − dᵢ) / B(Sᵢⱼ − dⱼ)` over the nearer feet `j`, `B(s) = x(2 − x)`, `x = min(s / width, 1)`, and `Sᵢⱼ`
-//!   the greatest distance between the two along the curve, round a closed one on the way where it is less.
-//!
-//! # Why no weight steps
-//!
-//! A minimum `i` comes and goes together with a maximum beside it, beyond which the distance falls to a nearer foot
-//! `k`: there `Sᵢₖ − dᵢ` is 0 and `Sᵢₖ − dₖ` is not. No other foot `l` misses `i`: where it is farther than `i`,
-//! `Sₗᵢ = Sₗₖ`, since `S` is an ultrametric and `Sᵢₖ = dᵢ` less than both, and so `k` bounds `ρₗ` by less than `i` does. Where
-//! two feet change order their ratio is 1. At a cusp of the evolute `k` comes and goes too, and `ρ` is 0 / 0.
+//! By flooding: the local minima of the distance along the curve are valleys. Water rises from the deepest floor to `width` above
+//! it. Under water up to `h` a valley with floor `a` weighs `B(h − a)`, `B(s) = q / (1 − q)`, `q = t²(3 − 2t)`, `t = s / (2 width)`. Where two
+//! pools meet, at `s`, their feet share the new pool as the pools weighed, and it weighs the sum; what that is more than its
+//! deepest valley alone fades as `1 − 3x² + 2x³`, `x = (h − s) / width`. At the top a pool has its weight in parts of all.
 //!
 //! # Corner cases
 //!
-//! Two minima with no ridge between them, as at coincident control points, are one: the nearer, of equal ones that of the
-//! smaller `u`.
+//! - Minima with no ridge between them, as at coincident control points, are one.
+//! - Of more than 64 feet each share is lessened by that of the 65th, so that no more are left and none steps.
 
 use crate::curve::Place;
 use crate::foot::{Foot, Samples};
 use glam::DVec3;
 use wirework_core::{Closest, Curve};
-
-/// A ridge parts two minima where it stands out by more than this part of the largest coordinate: by more than the
-/// rounding of float64.
-const RIDGE: f64 = 1e-13;
 
 /// The feet of `p` that count, by rising `u`, and their shares, which sum to 1.
 pub fn feet(curve: &Curve, closest: Closest, p: [f64; 3]) -> Vec<(Foot, f64)> {
@@ -37,77 +26,130 @@ pub(crate) fn shares(samples: &Samples, closest: Closest, p: DVec3) -> Vec<(Foot
         Closest::Blended(width) if p.is_finite() => f64::from(width),
         _ => return vec![(samples.closest(p), 1.0)],
     };
-    let minima = samples.minima(p);
+    let mut minima = samples.minima(p);
     if minima.len() < 2 {
         return vec![(samples.closest(p), 1.0)];
     }
-    let landscape = Landscape::new(samples, p, minima);
-    let weights = landscape.weights(width);
-    let sum: f64 = weights.iter().sum();
-    let feet = landscape.feet.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0);
-    feet.map(|(foot, weight)| (foot, weight / sum)).collect()
+    minima.sort_by(|a, b| a.0.u(&samples.curve).total_cmp(&b.0.u(&samples.curve)));
+    let minima = parted(samples, p, minima);
+    let floors: Vec<f64> = minima.iter().map(|m| m.1).collect();
+    let shares = flood(&floors, &passes(samples, p, &minima), width);
+    let feet = minima.iter().zip(shares).filter(|(_, share)| *share > 0.0);
+    feet.map(|(&(place, distance), share)| (samples.foot(p, place, distance), share)).collect()
 }
 
-/// The distance along a curve, from one point.
-struct Landscape {
-    /// Local minima that a ridge parts from each other, by rising `u`.
-    feet: Vec<Foot>,
-    /// `u` and distance wherever the distance may be greatest.
-    ridges: Vec<(f64, f64)>,
-    closed: bool,
-}
+/// A ridge parts two minima where it stands out by more than this part of the largest coordinate: by more than the
+/// rounding of float64.
+const RIDGE: f64 = 1e-13;
 
-impl Landscape {
-    fn new(samples: &Samples, p: DVec3, minima: Vec<(Place, f64)>) -> Self {
-        let ridges = samples.ridges(p).into_iter().map(|(place, d)| (place.u(&samples.curve), d)).collect();
-        let mut landscape = Self { feet: Vec::new(), ridges, closed: samples.curve.closed() };
-        let nothing = RIDGE * samples.extent(p);
-        for (place, distance) in minima {
-            let new = samples.foot(p, place, distance);
-            let parted = |old: &Foot| landscape.pass(old, &new) - old.distance.max(distance) > nothing;
-            match landscape.feet.iter().position(|old| !parted(old)) {
-                Some(i) if distance < landscape.feet[i].distance - nothing => landscape.feet[i] = new,
-                Some(_) => {}
-                None => landscape.feet.push(new),
-            }
+/// Of minima with no ridge between them only the nearer; of equal ones that of the smaller `u`.
+fn parted(samples: &Samples, p: DVec3, mut minima: Vec<(Place, f64)>) -> Vec<(Place, f64)> {
+    let nothing = RIDGE * samples.extent(p);
+    let mut i = 0;
+    while minima.len() > 1 && i < minima.len() {
+        let next = (i + 1) % minima.len();
+        let pass = passes(samples, p, &minima)[i];
+        if pass - minima[i].1.max(minima[next].1) > nothing {
+            i += 1;
+            continue;
         }
-        landscape
+        let (first, second) = (i.min(next), i.max(next));
+        let gone = if minima[second].1 < minima[first].1 - nothing { first } else { second };
+        minima.remove(gone);
+        i = 0;
     }
+    minima
+}
 
-    /// `S`: the greatest distance on the way from one foot to another.
-    fn pass(&self, a: &Foot, b: &Foot) -> f64 {
-        let (low, high) = (a.u.min(b.u), a.u.max(b.u));
-        let highest = |on_the_way: &dyn Fn(f64) -> bool| {
-            let ridges = self.ridges.iter().filter(|(u, _)| on_the_way(*u)).map(|r| r.1);
-            ridges.fold(a.distance.max(b.distance), f64::max)
-        };
-        let between = highest(&|u| low < u && u < high);
-        if self.closed { between.min(highest(&|u| u < low || u > high)) } else { between }
-    }
+/// The highest ridge between each valley and the next one; after the last that round to the first, infinite on an open curve.
+fn passes(samples: &Samples, p: DVec3, minima: &[(Place, f64)]) -> Vec<f64> {
+    let u = |place: Place| place.u(&samples.curve);
+    let ridges: Vec<(f64, f64)> = samples.ridges(p).into_iter().map(|(place, d)| (u(place), d)).collect();
+    let highest = |on_the_way: &dyn Fn(f64) -> bool| {
+        ridges.iter().filter(|(u, _)| on_the_way(*u)).map(|r| r.1).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let mut passes: Vec<f64> = minima
+        .windows(2)
+        .map(|pair| highest(&|at| u(pair[0].0) < at && at < u(pair[1].0)).max(pair[0].1.max(pair[1].1)))
+        .collect();
+    let (first, last) = (minima[0], minima[minima.len() - 1]);
+    let round = highest(&|at| at < u(first.0) || at > u(last.0)).max(first.1.max(last.1));
+    passes.push(if samples.curve.closed() { round } else { f64::INFINITY });
+    passes
+}
 
-    fn weights(&self, width: f64) -> Vec<f64> {
-        let least = self.feet.iter().map(|foot| foot.distance).fold(f64::INFINITY, f64::min);
-        let weight = |foot: &Foot| {
-            let nearer = self.feet.iter().filter(|other| other.distance < foot.distance);
-            let steep = nearer.map(|other| {
-                let pass = self.pass(foot, other);
-                barrier((pass - foot.distance) / width) / barrier((pass - other.distance) / width)
-            });
-            nearness((foot.distance - least) / width) * steep.fold(1.0, f64::min)
-        };
-        self.feet.iter().map(weight).collect()
+/// Valleys that the water has made one.
+struct Pool {
+    /// Each valley and its share of the pool.
+    members: Vec<(usize, f64)>,
+    floor: f64,
+    /// What it weighed more than its deepest valley when it came to be, and the level then.
+    excess: f64,
+    since: f64,
+}
+
+impl Pool {
+    fn weight(&self, level: f64, width: f64) -> f64 {
+        let x = ((level - self.since) / width).clamp(0.0, 1.0);
+        alone(level - self.floor, width) + self.excess * (1.0 - 3.0 * x * x + 2.0 * x * x * x)
     }
 }
 
-/// `a`.
-fn nearness(x: f64) -> f64 {
-    let t = 0.5 * (1.0 - x.min(1.0));
+/// The share of each valley.
+fn flood(floors: &[f64], passes: &[f64], width: f64) -> Vec<f64> {
+    let single =
+        |(i, &floor): (usize, &f64)| Pool { members: vec![(i, 1.0)], floor, excess: 0.0, since: floor };
+    let mut pools: Vec<Pool> = floors.iter().enumerate().map(single).collect();
+    let top = floors.iter().copied().fold(f64::INFINITY, f64::min) + width;
+    let mut order: Vec<usize> = (0..passes.len()).filter(|&i| passes[i] < top).collect();
+    order.sort_by(|&a, &b| passes[a].total_cmp(&passes[b]));
+    for pass in order {
+        let holds = |valley: usize| pools.iter().position(|pool| pool.members.iter().any(|m| m.0 == valley));
+        let (Some(a), Some(b)) = (holds(pass), holds((pass + 1) % floors.len())) else { continue };
+        if a != b {
+            let (a, b) = (pools.swap_remove(a.max(b)), pools.swap_remove(a.min(b)));
+            pools.push(meet(&a, &b, passes[pass], width));
+        }
+    }
+    let sum: f64 = pools.iter().map(|pool| pool.weight(top, width)).sum();
+    let mut shares = vec![0.0; floors.len()];
+    for pool in &pools {
+        for &(valley, part) in &pool.members {
+            shares[valley] = part * pool.weight(top, width) / sum;
+        }
+    }
+    limited(shares)
+}
+
+fn meet(a: &Pool, b: &Pool, level: f64, width: f64) -> Pool {
+    let (weight_a, weight_b) = (a.weight(level, width), b.weight(level, width));
+    let sum = weight_a + weight_b;
+    let part = |weight: f64| if sum > 0.0 { weight / sum } else { 0.5 };
+    let of_a = a.members.iter().map(|&(i, share)| (i, share * part(weight_a)));
+    let of_b = b.members.iter().map(|&(i, share)| (i, share * part(weight_b)));
+    let floor = a.floor.min(b.floor);
+    Pool {
+        members: of_a.chain(of_b).collect(),
+        floor,
+        excess: sum - alone(level - floor, width),
+        since: level,
+    }
+}
+
+/// `B`.
+fn alone(depth: f64, width: f64) -> f64 {
+    let t = 0.5 * (depth / width).clamp(0.0, 1.0);
     let q = t * t * (3.0 - 2.0 * t);
     q / (1.0 - q)
 }
 
-/// `B`.
-fn barrier(x: f64) -> f64 {
-    let x = x.min(1.0);
-    x * (2.0 - x)
+/// No more than 64 shares above 0.
+fn limited(shares: Vec<f64>) -> Vec<f64> {
+    const MOST: usize = 64;
+    let mut falling = shares.clone();
+    falling.sort_by(|a, b| b.total_cmp(a));
+    let Some(&next) = falling.get(MOST) else { return shares };
+    let lessened: Vec<f64> = shares.iter().map(|share| (share - next).max(0.0)).collect();
+    let sum: f64 = lessened.iter().sum();
+    if sum > 0.0 { lessened.into_iter().map(|share| share / sum).collect() } else { shares }
 }

@@ -3,10 +3,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use wirework_asset::{Gltf, Obj, Rest, printable};
-use wirework_preset::{Named, Only};
+use wirework_preset::{Named, Only, PresetError};
 
-use super::refused;
-use crate::{ApplyError, Model, Subject};
+use super::{Lack, MISSING_LISTED};
+use crate::{Model, Subject};
+
+/// So many joints without a name are many: their numbers tell nobody where they are.
+const MANY_NUMBERS: usize = 4;
+
+/// So many nodes that show a mesh are listed.
+const NODES_LISTED: usize = 8;
 
 /// The factor of each point: the least of its vertices.
 ///
@@ -18,11 +24,7 @@ use crate::{ApplyError, Model, Subject};
 ///
 /// All that share a name are meant by it. In a glTF document a number that is no name is an index, of a node or a material: many
 /// have no names.
-pub(super) fn factors(
-    only: &Only,
-    subject: &Subject,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<f32>, ApplyError> {
+pub(super) fn factors(only: &Only, subject: &Subject, warnings: &mut Vec<String>) -> Result<Vec<f32>, Lack> {
     let of_vertices = match &subject.model {
         Model::Gltf { gltf, rest } => of_gltf(only, gltf, rest, warnings)?,
         Model::Mesh { name, mesh, obj } => {
@@ -42,17 +44,12 @@ pub(super) fn factors(
     Ok(out)
 }
 
-fn of_gltf(
-    only: &Only,
-    gltf: &Gltf,
-    rest: &Rest,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<f32>, ApplyError> {
+fn of_gltf(only: &Only, gltf: &Gltf, rest: &Rest, warnings: &mut Vec<String>) -> Result<Vec<f32>, Lack> {
     match only {
         Only::Nodes(_) => {
             let table = Table::new((0..gltf.node_count()).map(|node| (gltf.node_name(node), node)));
             let mut nodes = Vec::new();
-            for (named, list) in table.look_up(only)? {
+            for (named, list) in table.look_up(only, |named| shown_mesh(gltf, named))? {
                 let shown = gltf.mesh_nodes(&list);
                 if !rest.blocks.iter().any(|block| shown.binary_search(&block.node).is_ok()) {
                     warnings.push(without(named, "shows no vertex of the scene"));
@@ -66,7 +63,7 @@ fn of_gltf(
                 (0..gltf.material_count()).map(|material| (gltf.material_name(material), material)),
             );
             let mut materials = Vec::new();
-            for (named, list) in table.look_up(only)? {
+            for (named, list) in table.look_up(only, |_| None)? {
                 if !rest
                     .parts
                     .iter()
@@ -80,7 +77,9 @@ fn of_gltf(
         }
         Only::Joints(_) => {
             let table = Table::new(gltf.joint_nodes().into_iter().map(|node| (gltf.node_name(node), node)));
-            let found = table.look_up(only)?;
+            let many = table.bare.len() >= MANY_NUMBERS;
+            let advice = format!("`wirework inspect {}` tells where each joint is", printable(gltf.file()));
+            let found = table.look_up(only, |_| many.then(|| advice.clone()))?;
             let joints: Vec<usize> = found.iter().flat_map(|(_, list)| list.iter().copied()).collect();
             let weights = gltf.joint_weights(rest, &joints)?;
             for (named, list) in found {
@@ -99,7 +98,7 @@ fn of_mesh(
     count: usize,
     obj: Option<&Obj>,
     warnings: &mut Vec<String>,
-) -> Result<Vec<f32>, ApplyError> {
+) -> Result<Vec<f32>, Lack> {
     let mut known: BTreeSet<String> = match (only, obj) {
         (Only::Nodes(_), Some(obj)) => obj.group_names().into_iter().collect(),
         (Only::Materials(_), Some(obj)) => obj.material_names().into_iter().collect(),
@@ -107,9 +106,12 @@ fn of_mesh(
     };
     let whole = matches!(only, Only::Nodes(_)) && known.is_empty();
     known.extend(whole.then(|| name.to_owned()));
-    if let Some(named) = only.names().iter().find(|named| !known.contains(&named.name)) {
-        let known: Vec<&str> = known.iter().map(String::as_str).collect();
-        return Err(refused(named.unknown(only.what(), &known)));
+    let list: Vec<&str> = known.iter().map(String::as_str).collect();
+    let missing = only.names().iter().filter(|named| !known.contains(&named.name));
+    let missing: Vec<PresetError> =
+        missing.take(MISSING_LISTED).map(|named| named.unknown(only.what(), &list)).collect();
+    if !missing.is_empty() {
+        return Err(Lack::Missing(missing));
     }
     let names: Vec<&str> = only.names().iter().map(|named| named.name.as_str()).collect();
     let members = match (only, obj.filter(|_| !whole)) {
@@ -147,7 +149,7 @@ impl<'a> Table<'a> {
     }
 
     /// All that has a name, or else the one with that index.
-    fn get(&self, named: &Named, what: &str) -> Result<Vec<usize>, ApplyError> {
+    fn get(&self, named: &Named, what: &str) -> Result<Vec<usize>, PresetError> {
         if let Some(list) = self.named.get(named.name.as_str()) {
             return Ok(list.clone());
         }
@@ -156,13 +158,49 @@ impl<'a> Table<'a> {
             let bare: Vec<String> = self.bare.iter().map(usize::to_string).collect();
             let known: Vec<&str> =
                 self.named.keys().copied().chain(bare.iter().map(String::as_str)).collect();
-            refused(named.unknown(what, &known))
+            named.unknown(what, &known)
         })
     }
 
-    fn look_up<'n>(&self, only: &'n Only) -> Result<Vec<(&'n Named, Vec<usize>)>, ApplyError> {
-        only.names().iter().map(|named| Ok((named, self.get(named, only.what())?))).collect()
+    /// All that is named, or the names that are not there, each with what `advice` has to say about it.
+    fn look_up<'n>(
+        &self,
+        only: &'n Only,
+        advice: impl Fn(&Named) -> Option<String>,
+    ) -> Result<Vec<(&'n Named, Vec<usize>)>, Lack> {
+        let (mut found, mut missing) = (Vec::new(), Vec::new());
+        for named in only.names() {
+            if missing.len() >= MISSING_LISTED {
+                break;
+            }
+            match self.get(named, only.what()) {
+                Ok(list) => found.push((named, list)),
+                Err(error) => {
+                    let parts: Vec<String> =
+                        [advice(named), error.help.clone()].into_iter().flatten().collect();
+                    let help = (!parts.is_empty()).then(|| parts.join("; "));
+                    missing.push(PresetError { help, ..error });
+                }
+            }
+        }
+        if missing.is_empty() { Ok(found) } else { Err(Lack::Missing(missing)) }
     }
+}
+
+/// That a name is that of a mesh, and which nodes show it.
+fn shown_mesh(gltf: &Gltf, named: &Named) -> Option<String> {
+    let list =
+        |key: &str| gltf.json().get(key).and_then(|list| list.as_array()).map_or(&[][..], Vec::as_slice);
+    let mesh = (0..list("meshes").len()).find(|&mesh| gltf.mesh_name(mesh) == Some(named.name.as_str()))?;
+    let shows =
+        |node: &serde_json::Value| node.get("mesh").and_then(serde_json::Value::as_u64) == Some(mesh as u64);
+    let nodes = list("nodes").iter().enumerate().filter(|(_, node)| shows(node));
+    let nodes: Vec<String> = nodes.take(NODES_LISTED).map(|(node, _)| node.to_string()).collect();
+    Some(match nodes.as_slice() {
+        [] => format!("that is mesh {mesh}, which no node shows"),
+        [node] => format!("that is mesh {mesh}, shown by node {node}"),
+        nodes => format!("that is mesh {mesh}, shown by nodes {}", nodes.join(", ")),
+    })
 }
 
 /// The warning that a name is there in vain.

@@ -8,7 +8,7 @@ use wirework_preset::{Channel, Mask, Named, PresetError, PresetErrorKind};
 use wirework_surface::Mesh;
 
 use super::plane::Plane;
-use super::refused;
+use super::{Lack, refused};
 use crate::error::count;
 use crate::{ApplyError, Model, Subject};
 
@@ -22,7 +22,7 @@ pub(super) fn factors(
     preset_dir: &Path,
     limits: &Limits,
     warnings: &mut Vec<String>,
-) -> Result<Vec<f32>, ApplyError> {
+) -> Result<Vec<f32>, Lack> {
     let mut means = Means { sums: vec![(0.0, 0); subject.points.len()] };
     // Control points of a patch are no vertices: they have neither.
     let has_vertices = subject.net.is_none();
@@ -30,7 +30,7 @@ pub(super) fn factors(
         Mask::VertexColor { channel, typed } => {
             if !(has_vertices && means.colors(subject, *channel)?) {
                 let message = "`mask: VertexColor(..)` needs vertex colours; the object has none";
-                return Err(refused(typed.refused(message)));
+                return Err(Lack::Missing(vec![typed.refused(message)]));
             }
             ("vertex colours", "VertexColor".to_owned())
         }
@@ -39,7 +39,7 @@ pub(super) fn factors(
             let plane = plane.map_err(|refusal| refused(unusable(file, &refusal.message, refusal.limit)))?;
             if !(has_vertices && means.image(subject, &plane)) {
                 let message = "the object has no texture coordinates, at which the image would be read";
-                return Err(refused(file.refused(message)));
+                return Err(Lack::Missing(vec![file.refused(message)]));
             }
             ("texture coordinates", format!("Image(\"{}\")", printable(&file.name)))
         }

@@ -61,8 +61,9 @@ impl Plane {
         if full { Ok(plane) } else { Err(refuse("has no pixel that can be read")) }
     }
 
-    /// The value at texture coordinates, `v` downwards as glTF has it: bilinear between the centres of the pixels, and the
-    /// image repeats without end.
+    /// The value at texture coordinates, `v` downwards as glTF has it: bilinear between the centres of the pixels. From 0 to 1
+    /// the image ends at its edges, so that what is mapped once over meets no colour of the opposite edge; beyond, it repeats
+    /// without end.
     pub(super) fn at(&self, u: f32, v: f32) -> f32 {
         let (x, y) = (Between::new(u, self.width), Between::new(v, self.height));
         let value = |x: usize, y: usize| self.values.get(y * self.width + x).copied().map_or(1.0, f64::from);
@@ -83,9 +84,14 @@ struct Between {
 impl Between {
     fn new(coordinate: f32, count: usize) -> Self {
         let coordinate = f64::from(coordinate);
-        let place = (coordinate - coordinate.floor()) * count as f64 - 0.5;
+        let place = |part: f64| part * count as f64 - 0.5;
+        let place = if (0.0..=1.0).contains(&coordinate) {
+            place(coordinate).clamp(0.0, count.saturating_sub(1) as f64)
+        } else {
+            place(coordinate - coordinate.floor())
+        };
         let below = place.floor();
-        // From −1, before the first centre, to the last pixel.
+        // From −1, before the first centre, to the last pixel; where it is clamped to a centre, `part` is 0.
         let first =
             if below < 0.0 { count.saturating_sub(1) } else { (below as usize).min(count.saturating_sub(1)) };
         let second = if first + 1 < count { first + 1 } else { 0 };

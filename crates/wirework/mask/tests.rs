@@ -41,7 +41,7 @@ fn obj(text: &str) -> Subject {
 }
 
 fn try_all(subject: &Subject, preset: &Preset, folder: &Path) -> Result<Masks, ApplyError> {
-    masks(subject, &preset.effects, folder, &Limits::default())
+    masks(subject, &preset.effects, folder, &Limits::default())?.complete()
 }
 
 /// The factors of the first effect, all 1 where there is no mask, and the warnings.
@@ -189,6 +189,46 @@ fn names_that_are_not_there_are_refused_at_their_place() {
 }
 
 #[test]
+fn a_mesh_named_as_a_node_is_told_with_the_nodes_that_show_it() {
+    let mut doc = pair();
+    doc.json["meshes"][0]["name"] = json!("Skin");
+    doc.json["meshes"][1]["name"] = json!("spare");
+    doc.json["nodes"][1]["mesh"] = json!(0);
+    for (name, told) in
+        [("Skin", "that is mesh 0, shown by nodes 0, 1"), ("spare", "that is mesh 1, which no node shows")]
+    {
+        let error = refused(&gltf(&doc), &deform(&format!("only: Nodes([\"{name}\"]),"), ""), Path::new(""));
+        assert!(error.help.as_ref().is_some_and(|help| help.starts_with(told)), "{error}");
+        // It is no material for that.
+        let error = refused(&gltf(&doc), &deform("only: Materials([\"Skin\"]),", ""), Path::new(""));
+        assert!(error.help.is_none(), "{error}");
+    }
+}
+
+#[test]
+fn all_that_an_object_lacks_is_listed_and_the_rest_is_made() {
+    let text = format!(
+        "Stack([Deform(only: Nodes([\"lift\", \"left\", \"gruop\"]), mask: VertexColor(G), wires: [Wire({WIRE})]), \
+         Deform(only: Nodes([\"left\"]), wires: [Wire({WIRE})])])"
+    );
+    let preset = preset(&text);
+    let found = masks(&gltf(&pair()), &preset.effects, Path::new(""), &Limits::default()).unwrap();
+    let file = found.missing[0].message.split(": ").next().unwrap();
+    let told: Vec<_> = found.missing.iter().map(|error| (error.column, error.message.as_str())).collect();
+    let at = |part: &str| text.find(part).unwrap() + 1;
+    assert_eq!(told.len(), 3);
+    for ((column, message), (part, start)) in told.into_iter().zip([
+        ("\"lift\"", "there is no node \"lift\""),
+        ("\"gruop\"", "there is no node \"gruop\""),
+        ("G)", "`mask: VertexColor(..)` needs"),
+    ]) {
+        assert_eq!((column, message.starts_with(&format!("{file}: {start}"))), (at(part), true), "{message}");
+    }
+    assert!(found.of_effects[0].of_effect().is_none());
+    assert_eq!(found.of_effects[1].of_effect(), Some(&[0.0, 0.0, 1.0, 0.0][..]));
+}
+
+#[test]
 fn groups_and_materials_of_an_obj_are_its_nodes_and_materials() {
     let subject = obj(
         "o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\ng two\nusemtl blue\nv 1 1 0\nv 0 0 0\nf 2 3 4\nusemtl none\n",
@@ -288,15 +328,18 @@ fn near(found: &[f32], want: &[f32]) {
 }
 
 #[test]
-fn an_image_is_read_between_its_pixels_and_repeats() {
+fn an_image_is_read_between_its_pixels_and_repeats_beyond_its_edges() {
     let folder = painted();
     let image = deform("mask: Image(\"mask.png\"),", "");
     let at = |uvs: &[f32; 6]| all(&gltf(&mapped(uvs)), &image, folder.path()).0;
     // The centres, v downwards.
     near(&at(&[0.25, 0.25, 0.75, 0.25, 0.25, 0.75]), &[0.0, 0.2, 0.4]);
-    // Halfway along u, along v, and of all four; the edges are halfway to the other side.
+    // Halfway along u, along v, and of all four; the edges have the nearest centres, the right and the lower one too.
     near(&at(&[0.5, 0.25, 0.25, 0.5, 0.5, 0.5]), &[0.1, 0.2, 0.4]);
-    near(&at(&[0.0, 0.25, 1.0, 0.25, 0.0, 0.0]), &[0.1, 0.1, 0.4]);
+    near(&at(&[0.0, 0.25, 1.0, 0.25, 0.0, 0.0]), &[0.0, 0.2, 0.0]);
+    near(&at(&[0.0, 1.0, 1.0, 1.0, 0.125, 0.875]), &[0.4, 1.0, 0.4]);
+    // Beyond them it repeats: there an edge is halfway to the next image.
+    near(&at(&[2.0, 0.25, -1.0, 0.25, 2.0, -3.0]), &[0.1, 0.1, 0.4]);
     near(&at(&[0.375, 0.25, -0.75, 5.25, 100.75, -0.25]), &[0.05, 0.0, 1.0]);
     let far = at(&[f32::MAX, f32::MIN, 1e-30, -1e-30, 3e9, 0.1]);
     assert!(far.iter().all(|factor| (0.0..=1.0).contains(factor)), "{far:?}");
@@ -315,7 +358,25 @@ fn an_obj_counts_v_upwards_and_each_of_its_coordinates_once() {
     let own = deform("object: Grid(size: (1, 1), cells: (1, 1)), mask: Image(\"mask.png\"),", "");
     let subject =
         Subject::from_object(own.object.as_ref().unwrap(), Path::new(""), "g", &Limits::default()).unwrap();
-    near(&all(&subject, &own, folder.path()).0, &[0.4; 4]);
+    // Rows of the image run along z, from where v is 1.
+    near(&all(&subject, &own, folder.path()).0, &[0.0, 0.2, 0.4, 1.0]);
+}
+
+#[test]
+fn a_ramp_over_a_grid_ends_at_its_borders() {
+    let folder = tempfile::tempdir().unwrap();
+    let ramp = ImageBuffer::from_fn(256, 1, |x, _| Luma([x as u8]));
+    DynamicImage::ImageLuma8(ramp).save(folder.path().join("ramp.png")).unwrap();
+    let preset = deform("object: Grid(size: (2, 2), cells: (8, 8)), mask: Image(\"ramp.png\"),", "");
+    let subject =
+        Subject::from_object(preset.object.as_ref().unwrap(), Path::new(""), "g", &Limits::default());
+    let subject = subject.unwrap();
+    let (factors, _) = all(&subject, &preset, folder.path());
+    for (p, factor) in subject.points.iter().zip(factors) {
+        let want = 0.5 * p[0] + 0.5;
+        assert!((factor - want).abs() < 0.5 / 255.0 + 1e-6, "{p:?}: {factor}");
+        assert!(p[0].abs() < 1.0 || factor == want, "{p:?}: {factor}");
+    }
 }
 
 #[test]

@@ -40,21 +40,48 @@ impl Scan<'_> {
                     }
                     self.at += 1;
                 }
-                '"' | 'r' | 'b' if self.text_prefix().is_some() => {
-                    if self.text().is_none() {
-                        ended = false;
-                        break;
-                    }
+                _ if self.pass(c).is_none() => {
+                    ended = false;
+                    break;
                 }
-                '\'' => self.character(),
-                '/' if self.rest().starts_with("//") || self.rest().starts_with("/*") => self.space(),
-                _ if is_word(c) => self.at = self.token_end(),
-                _ => self.at += c.len_utf8(),
+                _ => {}
             }
         }
         let fault = open.pop().filter(|_| ended).map(|(last, at)| self.unclosed(last, at));
         self.at = 0;
         fault.map_or(Ok(()), Err)
+    }
+
+    /// Passes what begins with `c` at the cursor and is no bracket; `None` where a text has no end.
+    fn pass(&mut self, c: char) -> Option<()> {
+        match c {
+            '"' | 'r' | 'b' if self.text_prefix().is_some() => self.text()?,
+            '\'' => self.character(),
+            '/' if self.rest().starts_with("//") || self.rest().starts_with("/*") => self.space(),
+            _ if is_word(c) => self.at = self.token_end(),
+            _ => self.at += c.len_utf8(),
+        }
+        Some(())
+    }
+
+    /// The innermost bracket that is open at the byte `end`.
+    pub(crate) fn open_before(&mut self, end: usize) -> Option<usize> {
+        let mut open = Vec::new();
+        self.at = 0;
+        while self.at < end {
+            match self.peek()? {
+                '(' | '[' | '{' => {
+                    open.push(self.at);
+                    self.at += 1;
+                }
+                ')' | ']' | '}' => {
+                    open.pop();
+                    self.at += 1;
+                }
+                c => self.pass(c)?,
+            }
+        }
+        open.pop()
     }
 
     fn unclosed(&self, opener: char, at: usize) -> Fault {
