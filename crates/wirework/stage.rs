@@ -165,7 +165,7 @@ impl Stage {
             }
         }
         spent.deform += start.elapsed();
-        self.reached |= binding.pair_count() > 0 && !self.is_empty_lattice();
+        self.reached = self.reached || (binding.reaches() && !self.is_empty_lattice());
         Ok(())
     }
 

@@ -135,9 +135,14 @@ impl Binding {
         self.tiles.count
     }
 
-    /// Number of pairs of a point and a wire that reaches it.
+    /// Number of pairs of a point and a wire in whose reach it lies; the influence of some may be 0.
     pub fn pair_count(&self) -> usize {
         self.wires.iter().map(|w| w.runs.pair_count()).sum()
+    }
+
+    /// Whether any wire has an influence above 0 on any point.
+    pub fn reaches(&self) -> bool {
+        self.wires.iter().any(|w| w.runs.reach())
     }
 
     /// Deforms the bound points by the present state of `wires` into `out`: \[SF98\] §2 for each wire, §4 for all.
@@ -246,10 +251,15 @@ impl Binding {
         let rivals: Vec<(usize, &BoundWire)> = self.wires.iter().enumerate().filter(rivals).collect();
         let acts = |i: usize| {
             let own = bound.found.feet[i].distance;
-            let nearest = rivals.iter().map(|(_, rival)| rival.found.feet[i].distance).fold(own, f64::min);
+            // A wire that is masked out at a point is no rival there.
+            let at = |rival: &BoundWire| {
+                let mask = rival.mask.and_then(|mask| self.masks.get(mask));
+                let out = mask.is_some_and(|mask| mask[i] <= 0.0);
+                if out { f64::INFINITY } else { rival.found.feet[i].distance }
+            };
+            let nearest = rivals.iter().map(|(_, rival)| at(rival)).fold(own, f64::min);
             let near = |distance: f64| distance <= nearest + self.tie;
-            near(own)
-                && !rivals.iter().any(|(other, rival)| *other < index && near(rival.found.feet[i].distance))
+            near(own) && !rivals.iter().any(|(other, rival)| *other < index && near(at(rival)))
         };
         let runs = Runs::new(bound.bound(&self.masks), &self.tiles, &bound.found, &acts);
         self.wires[index].runs = runs;

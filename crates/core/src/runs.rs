@@ -95,6 +95,11 @@ impl Runs {
         self.0.iter().map(|runs| runs.index.len()).sum()
     }
 
+    /// Whether the wire has an influence above 0 anywhere.
+    pub(crate) fn reach(&self) -> bool {
+        self.0.iter().any(|runs| runs.influence.iter().any(|f| *f > 0.0))
+    }
+
     /// Finds the feet of all points and sorts them into runs, a tile at a time.
     pub(crate) fn bind(bound: Bound<'_>, tiles: &Tiles) -> Self {
         if tiles.order().is_some() {

@@ -45,7 +45,7 @@ pub struct Wire {
     /// Which feet of a point count. Default the closest alone.
     pub closest: Closest,
     /// Of the wires of one group only the one whose `R` is nearest acts at a point; of equally near ones the
-    /// first. So a wire cut into several deforms as one (§4). Default none.
+    /// first; one that a mask keeps off the point is no rival there. So a wire cut into several deforms as one (§4). Default none.
     pub group: Option<u32>,
     /// This wire's own `m` in the blend, §4. Default the blend's.
     pub exponent: Option<f32>,

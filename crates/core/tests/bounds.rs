@@ -114,6 +114,21 @@ fn a_domain_bounds_the_twist_alone() {
 }
 
 #[test]
+fn a_wire_that_is_masked_out_is_no_rival_in_its_group() {
+    // Two wires on one curve share the points between them by their masks.
+    let mut wires = [lifted(), lifted()];
+    for (wire, height) in wires.iter_mut().zip([1.0, 3.0]) {
+        wire.group = Some(0);
+        wire.pose.iter_mut().for_each(|p| p[2] = height);
+    }
+    let points = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]];
+    let (left, right) = ([1.0, 0.0, 1.0], [0.0, 1.0, 1.0]);
+    let heights: Vec<f32> =
+        deform(&wires, &points, &[Some(&left), Some(&right)]).iter().map(|q| q[2]).collect();
+    assert_eq!(heights, [1.0, 3.0, 1.0]);
+}
+
+#[test]
 fn a_direction_falls_off_by_the_angle() {
     // The part along the wire does not count.
     let wire = Wire { direction: Some([7.0, 0.0, 2.0]), angle: 2.0, ..lifted() };

@@ -81,19 +81,20 @@ impl Scene {
     }
 
     /// `F` and `ΔP` of each wire. Of a group only the wire whose `R` is nearest acts, whatever its radius; of those
-    /// that are equally near (to [`GROUP_TIE`]) the first.
+    /// that are equally near (to [`GROUP_TIE`]) the first. One that is masked out takes no part.
     fn acting(&self, p: DVec3, masks: &[f32]) -> Vec<(f64, DVec3)> {
         let distance = |wire: &Prepared| wire.wire.group.map(|_| wire.feet.closest(p).distance);
         let distances: Vec<Option<f64>> = self.wires.iter().map(distance).collect();
+        let mask = |i: usize| masks.get(i).map_or(1.0, |&mask| f64::from(mask));
         let acts = |i: usize| {
             let Some(group) = self.wires[i].wire.group else { return true };
-            let members = (0..self.wires.len()).filter(|&j| self.wires[j].wire.group == Some(group));
+            let same = |&j: &usize| self.wires[j].wire.group == Some(group) && mask(j) > 0.0;
+            let members = (0..self.wires.len()).filter(same);
             let members: Vec<(usize, f64)> = members.filter_map(|j| Some((j, distances[j]?))).collect();
             let least = members.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
             let extent = members.iter().map(|m| self.wires[m.0].feet.extent(p)).fold(0.0, f64::max);
             members.into_iter().find(|m| m.1 <= least + GROUP_TIE * extent).map(|m| m.0) == Some(i)
         };
-        let mask = |i: usize| masks.get(i).map_or(1.0, |&mask| f64::from(mask));
         let one = |i: usize| if acts(i) { self.wires[i].act(p, mask(i)) } else { (0.0, DVec3::ZERO) };
         (0..self.wires.len()).map(one).collect()
     }
