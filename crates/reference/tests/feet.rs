@@ -18,6 +18,12 @@ fn lesser(x: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
+/// What a valley weighs alone under water of depth `s`, in widths.
+fn alone(s: f64) -> f64 {
+    let q = lesser(1.0 - s.clamp(0.0, 1.0));
+    q / (1.0 - q)
+}
+
 /// Two parallel legs, 2 apart, joined at `x = 0`; far from the joint.
 fn legs() -> Curve {
     polyline(&[[9.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [9.0, -1.0, 0.0]])
@@ -47,11 +53,10 @@ fn a_foot_near_its_ridge_counts_less() {
     let (near, far) = (0.6 * x - 0.8 * y, 0.6 * x + 0.8 * y);
     let pass = f64::hypot(x, y);
     let width = 2.0;
-    let b = |s: f64| (s / width) * (2.0 - s / width);
-    let q = lesser((far - near) / width);
-    let a = q / (1.0 - q) * b(pass - far) / b(pass - near);
+    // They meet below the top, and share by what they weigh there.
+    let (a, b) = (alone((pass - near) / width), alone((pass - far) / width));
     let found = shares(&corner, 2.0, [x, y, 0.0]);
-    assert!((found[1].1 - a / (1.0 + a)).abs() < 1e-12, "{found:?}");
+    assert!((found[1].1 - b / (a + b)).abs() < 1e-12, "{found:?}");
     assert!((found[0].0 - 0.5 * (1.0 - (0.8 * x + 0.6 * y) / 5.0)).abs() < 1e-12);
 }
 
@@ -65,17 +70,15 @@ fn round_a_closed_curve_the_lower_pass_counts() {
     // Feet: below at 0.8, above at 1.2, left at 1.5; passes at the corners: 1.7 (left, below) and hypot(1.5, 1.2).
     let (below, left, above) = (0.8, 1.5, 1.2);
     let (low, high) = (f64::hypot(x, y), f64::hypot(x, 2.0 - y));
-    let b = |s: f64| if s < width { (s / width) * (2.0 - s / width) } else { 1.0 };
-    let a = |d: f64| {
-        let q = lesser((d - below) / width);
-        q / (1.0 - q)
-    };
-    // From above to below both corners are passed: the higher one counts.
-    let weight_above = a(above) * b(high - above) / b(high - below);
-    let to_above = b(high - left) / b(high - above);
-    let weight_left = a(left) * f64::min(b(low - left) / b(low - below), to_above);
-    let sum = 1.0 + weight_above + weight_left;
-    let expected = [1.0 / sum, weight_above / sum, weight_left / sum];
+    assert!(low < below + width && high > below + width);
+    // Left and below meet round the start; above stays a pool of its own.
+    let (part_below, part_left) = (alone(low - below), alone(low - left));
+    let x = below + width - low;
+    let pool = 1.0 + part_left * (1.0 - x * x * (3.0 - 2.0 * x));
+    let weight_above = alone(below + width - above);
+    let sum = pool + weight_above;
+    let of_pool = pool / (part_below + part_left) / sum;
+    let expected = [part_below * of_pool, weight_above / sum, part_left * of_pool];
     assert_eq!(found.len(), 3);
     for (found, expected) in found.iter().zip(expected) {
         assert!((found.1 - expected).abs() < 1e-12, "{found:?}, not {expected}");
