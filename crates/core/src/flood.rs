@@ -1,19 +1,19 @@
 //! Shares of a point's feet for `closest: Blended(width)`, by flooding.
 //!
-//! Along the curve the distance from the point rises and falls. Its valleys are the feet, parted by ridges. Water rises from the
-//! deepest valley's floor to `width` above it; what it does not reach has no share. At level `h` a valley with floor `a` weighs
-//! `B(h − a)`. Where two pools meet over a ridge they become one: their feet share it by the weights they have there, and it weighs
-//! the sum. As the water rises on, what the pool weighs more than its deepest valley alone would fades, and is gone a `width`
-//! higher. At the top each pool has its weight in parts of all.
+//! Along the curve the distance from the point rises and falls. Its valleys are the feet, parted by ridges. Water rises from
+//! the deepest valley's floor to `width` above it; what it does not reach has no share. At level `h` a valley with floor `a`
+//! weighs `B(h − a)`. Where two pools meet over a ridge they become one: their feet share it by the weights they have there,
+//! and it weighs the sum. As the water rises on, what the pool weighs more than its deepest valley alone would fades, and is
+//! gone a `width` higher. At the top each pool has its weight in parts of all.
 //!
-//! `B(s) = q / (1 − q)`, `q = t²(3 − 2t)`, `t = s / (2 width)`: so of two feet that a high ridge parts the nearer has a share that runs
-//! smoothly from a half to the whole as the other becomes `width` farther, with the least slope there is. What fades does so as
-//! `1 − 3x² + 2x³`.
+//! `B(s) = q / (1 − q)`, `q = t²(3 − 2t)`, `t = s / (2 width)`: so of two feet that a high ridge parts the nearer has a share
+//! that runs smoothly from a half to the whole as the other becomes `width` farther, with the least slope there is. What
+//! fades does so as `1 − 3x² + 2x³`.
 //!
-//! No share steps. A valley that fills up, where its ridge is no higher than its floor, weighs nothing there. Two that are equally
-//! deep and parted by next to no ridge weigh as much as one. Where ridges change order the pools meet at one level, and sums do not
-//! depend on the order. At a cusp of the evolute, where two valleys and their ridge come together, their shares of the pool step,
-//! but the feet are at one place.
+//! No share steps. A valley that fills up, where its ridge is no higher than its floor, weighs nothing there. Two that are
+//! equally deep and parted by next to no ridge weigh as much as one. Where ridges change order the pools meet at one level,
+//! and sums do not depend on the order. At a cusp of the evolute, where two valleys and their ridge come together, their
+//! shares of the pool step, but the feet are at one place.
 
 /// A point keeps at most so many feet; of more, each share is lessened by that of the next one, so that none steps.
 const MOST: usize = 64;

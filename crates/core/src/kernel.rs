@@ -137,24 +137,8 @@ pub(crate) fn displace<S: Simd>(
         for vector in 0..index.len().div_ceil(S::F32_LANES) {
             chunk.displace(simd, cell, vector);
         }
-        if points.weight.is_empty() {
-            for (i, &k) in index.iter().enumerate().take(CHUNK) {
-                let k = k as usize & (TILE - 1);
-                out.x[k] = chunk.p[0][i];
-                out.y[k] = chunk.p[1][i];
-                out.z[k] = chunk.p[2][i];
-                out.influence[k] = influence[i];
-            }
-        } else {
-            let weight = &points.weight[number * CHUNK..];
-            for (i, (&k, &w)) in index.iter().zip(weight).enumerate().take(CHUNK) {
-                let k = k as usize & (TILE - 1);
-                out.x[k] += w * chunk.p[0][i];
-                out.y[k] += w * chunk.p[1][i];
-                out.z[k] += w * chunk.p[2][i];
-                out.influence[k] += w * influence[i];
-            }
-        }
+        let weight = points.weight.get(number * CHUNK..).unwrap_or_default();
+        chunk.scatter(index, influence, weight, out);
     }
 }
 
@@ -179,6 +163,28 @@ impl Chunk {
             self.p[0][i] = tile.x[k] - origin[0];
             self.p[1][i] = tile.y[k] - origin[1];
             self.p[2][i] = tile.z[k] - origin[2];
+        }
+    }
+
+    /// Displacements and influences to their points; of feet with a `weight` added up.
+    #[inline(always)]
+    fn scatter(&self, index: &[u16], influence: &[f32], weight: &[f32], out: &mut Displacements) {
+        if weight.is_empty() {
+            for (i, &k) in index.iter().enumerate().take(CHUNK) {
+                let k = k as usize & (TILE - 1);
+                out.x[k] = self.p[0][i];
+                out.y[k] = self.p[1][i];
+                out.z[k] = self.p[2][i];
+                out.influence[k] = influence[i];
+            }
+            return;
+        }
+        for (i, (&k, &w)) in index.iter().zip(weight).enumerate().take(CHUNK) {
+            let k = k as usize & (TILE - 1);
+            out.x[k] += w * self.p[0][i];
+            out.y[k] += w * self.p[1][i];
+            out.z[k] += w * self.p[2][i];
+            out.influence[k] += w * influence[i];
         }
     }
 

@@ -157,8 +157,8 @@ impl LatticeBinding {
     /// Binds `points` (any number, in any order) to a lattice. `mask`, where there is one, has a factor on the shift of each
     /// point.
     ///
-    /// Points outside the box (by more than the rounding of its corners), and those with a coordinate that is not a number, are bound to nothing. Uses rayon's current
-    /// pool; the result does not depend on its size.
+    /// Points outside the box (by more than the rounding of its corners), and those with a coordinate that is not a number,
+    /// are bound to nothing. Uses rayon's current pool; the result does not depend on its size.
     pub fn new(lattice: &Lattice, points: &[[f32; 3]], mask: Option<&[f32]>) -> Result<Self, LatticeError> {
         lattice.check()?;
         if let Some(mask) = mask

@@ -268,16 +268,16 @@ pub enum Closest {
     /// medial axis of a bent wire.
     #[default]
     Smallest,
-    /// All local minima of the distance that are nearer than the least one plus this width, > 0. `ΔP` and `F` are means of the feet's
-    /// own, by shares that fall to 0 as a foot's distance reaches that end and as it stops being a minimum; so the
+    /// All local minima of the distance that are nearer than the least one plus this width, > 0. `ΔP` and `F` are means of the
+    /// feet's own, by shares that fall to 0 as a foot's distance reaches that end and as it stops being a minimum; so the
     /// deformation steps nowhere but where a whole stretch of curve is equally near, as at the centre of an arc.
     ///
     /// Of two feet at distances `d₁ ≤ d₂`, parted by a stretch of curve that is farther by `width`, the farther has the share
-    /// `t²(3 − 2t)`, `t = (1 − (d₂ − d₁)/width)/2`. In general the shares come of flooding the valleys of the distance along the curve:
-    /// water rises to the least distance plus `width`; at level `h` a valley with floor `a` weighs `B(h − a)`, `B(s) = q / (1 − q)`,
-    /// `q = t²(3 − 2t)`, `t = s / (2 width)`; where two pools meet, at `s`, their feet share the new pool as the pools weighed, and what it
-    /// weighs more than its deepest valley alone fades as `1 − 3x² + 2x³`, `x = (h − s)/width`. At most 64 feet of a point count;
-    /// of feet with no ridge between them, as where control points coincide, that with the smallest `u`.
+    /// `t²(3 − 2t)`, `t = (1 − (d₂ − d₁)/width)/2`. In general the shares come of flooding the valleys of the distance along the
+    /// curve: water rises to the least distance plus `width`; at level `h` a valley with floor `a` weighs `B(h − a)`, `B(s) = q /
+    /// (1 − q)`, `q = t²(3 − 2t)`, `t = s / (2 width)`; where two pools meet, at `s`, their feet share the new pool as the pools
+    /// weighed, and what it weighs more than its deepest valley alone fades as `1 − 3x² + 2x³`, `x = (h − s)/width`. At most 64
+    /// feet of a point count; of feet with no ridge between them, as where control points coincide, that with the smallest `u`.
     Blended(f32),
 }
 

@@ -100,7 +100,7 @@ pub(crate) fn check_domains(reader: &mut Reader<'_>, fields: &Fields<'_>, wire: 
 
 fn judge(reader: &mut Reader<'_>, node: &Node, meetings: &[(f64, Meeting)]) {
     if meetings.iter().all(|(_, meeting)| *meeting == Meeting::Lies) {
-        let message = "a domain curve lies beside the wire's reference; this one lies on it, and would leave the wire no reach";
+        let message = "a domain curve lies beside the wire's reference; this one lies on it";
         let _: Option<()> = reader.bad(node, message);
         return;
     }
@@ -108,11 +108,11 @@ fn judge(reader: &mut Reader<'_>, node: &Node, meetings: &[(f64, Meeting)]) {
     let place = |seconds| key_nodes(node).find(|(time, _)| *time == seconds).map_or(node, |(_, value)| value);
     if let Some(seconds) = met(Meeting::Lies) {
         let message = format!(
-            "at {seconds} s this domain curve lies on the wire's reference: the wire has no reach then"
+            "at {seconds} s this domain curve lies on the wire's reference, and bounds it to nothing"
         );
         reader.warn(&place(seconds).span, message);
     } else if let Some(seconds) = met(Meeting::Touches) {
-        let message = "this domain curve touches the wire's reference: the wire has no reach there";
+        let message = "this domain curve touches the wire's reference, and bounds it to nothing there";
         reader.warn(&place(seconds).span, message);
     }
 }

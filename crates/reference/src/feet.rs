@@ -1,10 +1,11 @@
-//! `closest: Blended(width)`: several feet of one point, and what each counts. \[SF98\] §6 leaves the step across the
-//! medial axis open.
+//! `closest: Blended(width)`: several feet of one point, and what each counts. \[SF98\] §6 leaves the step across the medial
+//! axis open.
 //!
-//! By flooding: the local minima of the distance along the curve are valleys. Water rises from the deepest floor to `width` above
-//! it. Under water up to `h` a valley with floor `a` weighs `B(h − a)`, `B(s) = q / (1 − q)`, `q = t²(3 − 2t)`, `t = s / (2 width)`. Where two
-//! pools meet, at `s`, their feet share the new pool as the pools weighed, and it weighs the sum; what that is more than its
-//! deepest valley alone fades as `1 − 3x² + 2x³`, `x = (h − s) / width`. At the top a pool has its weight in parts of all.
+//! By flooding: the local minima of the distance along the curve are valleys. Water rises from the deepest floor to `width`
+//! above it. Under water up to `h` a valley with floor `a` weighs `B(h − a)`, `B(s) = q / (1 − q)`, `q = t²(3 − 2t)`, `t = s
+//! / (2 width)`. Where two pools meet, at `s`, their feet share the new pool as the pools weighed, and it weighs the sum;
+//! what that is more than its deepest valley alone fades as `1 − 3x² + 2x³`, `x = (h − s) / width`. At the top a pool has its
+//! weight in parts of all.
 //!
 //! # Corner cases
 //!

@@ -36,12 +36,26 @@ pub(super) fn factors(only: &Only, subject: &Subject, warnings: &mut Vec<String>
         return Ok(vec![1.0; subject.points.len()]);
     }
     let mut out = vec![1.0; subject.points.len()];
-    for (&point, factor) in subject.point_of.iter().zip(of_vertices) {
+    for (&point, &factor) in subject.point_of.iter().zip(&of_vertices) {
         if let Some(slot) = out.get_mut(point as usize) {
             *slot = factor.min(*slot);
         }
     }
+    if matches!(only, Only::Nodes(_)) {
+        warnings.extend(shared(&of_vertices, subject, &out));
+    }
     Ok(out)
+}
+
+/// A warning where vertices of named nodes stay because others, which may not move, are at their places.
+fn shared(of_vertices: &[f32], subject: &Subject, of_points: &[f32]) -> Option<String> {
+    let stays = |(&point, &factor): (&u32, &f32)| factor > 0.0 && of_points.get(point as usize) == Some(&0.0);
+    let stay = subject.point_of.iter().zip(of_vertices).filter(|pair| stays(*pair)).count();
+    let message = || {
+        let stay = if stay == 1 { "1 vertex stays".to_owned() } else { format!("{stay} vertices stay") };
+        format!("`only: Nodes([..])`: {stay}, for other nodes have vertices at the same places [only-shared]")
+    };
+    (stay > 0).then(message)
 }
 
 fn of_gltf(only: &Only, gltf: &Gltf, rest: &Rest, warnings: &mut Vec<String>) -> Result<Vec<f32>, Lack> {
