@@ -79,13 +79,18 @@ fn pair() -> Doc {
 fn a_point_moves_only_where_all_its_vertices_may() {
     let subject = gltf(&pair());
     assert_eq!(subject.points.len(), 4);
-    let expect =
-        |names: &str, want: [f32; 4]| assert_eq!(only(&subject, names), (want.to_vec(), vec![]), "{names}");
-    expect("Nodes([\"left\"])", [0.0, 0.0, 1.0, 0.0]);
-    expect("Nodes([\"1\"])", [0.0, 0.0, 0.0, 1.0]);
-    expect("Nodes([\"group\"])", [0.0, 0.0, 0.0, 1.0]);
-    expect("Nodes([\"left\", \"group\"])", [1.0; 4]);
-    expect("Materials([\"cloth\"])", [0.0, 0.0, 0.0, 1.0]);
+    let expect = |names: &str, want: [f32; 4], staying: bool| {
+        let (found, warnings) = only(&subject, names);
+        assert_eq!(found, want, "{names}");
+        assert_eq!(warnings.iter().filter(|w| w.contains("2 vertices stay")).count(), warnings.len());
+        assert_eq!(warnings.len(), usize::from(staying), "{names}: {warnings:?}");
+    };
+    // The two nodes share an edge: named alone, its two vertices stay, and a warning says so.
+    expect("Nodes([\"left\"])", [0.0, 0.0, 1.0, 0.0], true);
+    expect("Nodes([\"1\"])", [0.0, 0.0, 0.0, 1.0], true);
+    expect("Nodes([\"group\"])", [0.0, 0.0, 0.0, 1.0], true);
+    expect("Nodes([\"left\", \"group\"])", [1.0; 4], false);
+    expect("Materials([\"cloth\"])", [0.0, 0.0, 0.0, 1.0], false);
 }
 
 #[test]
