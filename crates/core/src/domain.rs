@@ -79,13 +79,18 @@ impl DomainCurve {
         if self.extends { apart + self.pieces.ball.radius + pieces.ball.radius } else { 0.0 }
     }
 
-    /// The same for points in a ball, whose feet lie on the pieces `near`.
-    pub(crate) fn reach_near(&self, pieces: &Pieces, near: &[Candidate], ball: Ball) -> f64 {
+    /// The pieces that may hold the foot of a point in a ball.
+    pub(crate) fn near(&self, ball: Ball) -> Vec<Candidate> {
+        let mut near = Vec::new();
+        self.pieces.cull(ball, f64::INFINITY, &self.all, &mut near);
+        near
+    }
+
+    /// The same as [`Self::reach`] for points whose feet lie on the pieces `near`, and on `own` of this curve.
+    pub(crate) fn reach_near(&self, pieces: &Pieces, near: &[Candidate], own: &[Candidate]) -> f64 {
         if !self.extends {
             return 0.0;
         }
-        let mut own = Vec::new();
-        self.pieces.cull(ball, f64::INFINITY, &self.all, &mut own);
         let own: Vec<Ball> = own.iter().map(|c| self.pieces.ball_of(*c)).collect();
         let far = |ball: Ball| {
             let apart = |own: &Ball| own.center.distance(ball.center) + own.radius + ball.radius;
@@ -94,19 +99,20 @@ impl DomainCurve {
         near.iter().map(|c| far(pieces.ball_of(*c))).fold(0.0, f64::max)
     }
 
-    /// Where up to [`BLOCK`] points stand, in the same order.
+    /// Where up to [`BLOCK`] points stand, in the same order, whose feet lie on the pieces `among`.
     #[inline(always)]
     pub(crate) fn stand<S: Simd>(
         &self,
         simd: S,
         points: &[Footed],
+        among: &[Candidate],
         near: &mut Vec<Candidate>,
         out: &mut Vec<Side>,
     ) {
         let start = out.len();
         out.resize(start + points.len(), Side::BEHIND);
         let Some(ball) = Ball::of(points.iter().map(|p| p.point)) else { return };
-        self.pieces.cull(ball, f64::INFINITY, &self.all, near);
+        self.pieces.cull(ball, f64::INFINITY, among, near);
         let (mut block, mut feet) = (self.pieces.block(), Feet::new());
         let mut lanes = [0_u8; BLOCK];
         for (i, p) in points.iter().enumerate().take(BLOCK) {

@@ -8,7 +8,7 @@ use crate::closest::{Candidate, Pieces};
 use crate::domain::{DomainCurve, Footed, Side};
 use crate::medial::{Profile, Weighted};
 use crate::spans::Spans;
-use crate::tiles::{Ball, Balls, TILE, Tile, Tiles};
+use crate::tiles::{Balls, TILE, Tile, Tiles};
 
 /// A point's foot as it is kept: segment, place in it, distance and weight; an infinite distance means no foot in reach.
 #[derive(Clone, Copy, Debug)]
@@ -158,14 +158,15 @@ impl pulp::WithSimd for Search<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { sought, reach, tile, balls, all, mut found } = self;
-        let Sought { pieces, domains, reach: own, .. } = sought;
+        let Sought { pieces, domains, .. } = sought;
         let (mut of_tile, mut candidates) = (Vec::new(), Vec::new());
         let mut profile = Profile::default();
-        let mut stand = Stand::default();
         let Some(ball) = balls.tile else { return found };
+        let among = domains.iter().map(|domain| domain.near(ball)).collect();
+        let mut stand = Stand { among, ..Stand::default() };
         // Feet that are not the closest weigh, even where they do not reach.
         pieces.cull(ball, reach + pieces.width, all, &mut of_tile);
-        let reach = near_reach(pieces, domains, own, reach, &of_tile, ball);
+        let reach = near_reach(sought, reach, &of_tile, &stand.among);
         let (mut block, mut feet) = (pieces.block(), Feet::new());
         for (k, ball) in balls.blocks.into_iter().enumerate() {
             let Some(ball) = ball else { continue };
@@ -216,6 +217,8 @@ enum Slot {
 /// Up to a block of feet whose points' standing to the domain curves is to be found.
 #[derive(Default)]
 struct Stand {
+    /// For each domain curve its pieces that may hold the foot of a point of the tile.
+    among: Vec<Vec<Candidate>>,
     points: Vec<Footed>,
     slots: Vec<Slot>,
     near: Vec<Candidate>,
@@ -247,7 +250,7 @@ impl Stand {
         let mut reach = [sought.reach; BLOCK];
         for (number, domain) in sought.domains.iter().enumerate() {
             self.sides.clear();
-            domain.stand(simd, &self.points, &mut self.near, &mut self.sides);
+            domain.stand(simd, &self.points, &self.among[number], &mut self.near, &mut self.sides);
             for (i, (&slot, &side)) in self.slots.iter().zip(&self.sides).enumerate() {
                 reach[i & (BLOCK - 1)] = domain.reaches(side).max(reach[i & (BLOCK - 1)]);
                 match slot {
@@ -270,18 +273,12 @@ impl Stand {
     }
 }
 
-/// How far feet matter for the points of a ball, with their candidates `of_tile`: no farther than `most`.
-fn near_reach(
-    pieces: &Pieces,
-    domains: &[DomainCurve],
-    own: f64,
-    most: f64,
-    of_tile: &[Candidate],
-    ball: Ball,
-) -> f64 {
+/// How far feet matter for the points of a tile, with their candidates on the wire and on each domain curve: no farther than `most`.
+fn near_reach(sought: Sought<'_>, most: f64, of_tile: &[Candidate], among: &[Vec<Candidate>]) -> f64 {
+    let Sought { pieces, domains, reach: own, .. } = sought;
     if most <= own {
         return own;
     }
-    let near = domains.iter().map(|domain| domain.reach_near(pieces, of_tile, ball));
+    let near = domains.iter().zip(among).map(|(domain, among)| domain.reach_near(pieces, of_tile, among));
     near.fold(own, f64::max).min(most)
 }
