@@ -1,0 +1,90 @@
+//! What is in the way of a ray.
+
+use glam::{Vec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ray::Ray;
+use obvhs::rt_triangle::RtTriangle;
+
+use crate::space::Geometry;
+
+/// Boxes are this much wider than what is in them, in heights of the picture: more than the rounding of the ray's walk,
+/// so that a hit never depends on the tree's shape, and a refitted tree gives the picture of a new one.
+const MARGIN: f32 = 1e-5;
+
+/// A tree of boxes over triangles, kept from frame to frame while they join the same vertices.
+#[derive(Default)]
+pub(crate) struct Rays {
+    tree: Option<Bvh2>,
+    /// The vertices that the tree was built for.
+    built_for: Vec<[u32; 3]>,
+    /// The triangles in the tree's order.
+    triangles: Vec<RtTriangle>,
+    /// The box round all of them.
+    bounds: [Vec3; 2],
+}
+
+impl Rays {
+    /// Makes the tree fit, anew only if the triangles join other vertices than before.
+    pub(crate) fn fit(&mut self, geometry: &Geometry) {
+        if geometry.triangles.is_empty() {
+            *self = Self::default();
+            return;
+        }
+        let list = |i: usize| {
+            let [a, b, c] = geometry.corners(i as u32).map(Vec3A::from);
+            RtTriangle::new(a, b, c)
+        };
+        if self.tree.is_none() || self.built_for != geometry.triangles {
+            let triangles: Vec<RtTriangle> = (0..geometry.triangles.len()).map(list).collect();
+            let mut time = std::time::Duration::default();
+            self.tree = Some(build_bvh2(&triangles, BvhBuildParams::fast_build(), &mut time));
+            self.built_for.clone_from(&geometry.triangles);
+        }
+        let Some(tree) = &mut self.tree else { return };
+        self.triangles.clear();
+        self.triangles.extend(tree.primitive_indices.iter().map(|&i| list(i as usize)));
+        for node in &mut tree.nodes {
+            if node.is_leaf() {
+                let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
+                let inside = self.triangles.get(range).unwrap_or(&[]);
+                let mut bounds = inside.iter().fold(Aabb::empty(), |b, t| b.union(&t.aabb()));
+                bounds.min -= Vec3A::splat(MARGIN);
+                bounds.max += Vec3A::splat(MARGIN);
+                node.set_aabb(bounds);
+            }
+        }
+        tree.refit_all();
+        let root = tree.nodes.first().map_or(Aabb::empty(), |node| *node.aabb());
+        self.bounds = [root.min.into(), root.max.into()];
+    }
+
+    /// Whether there may be something within `reach` of a point.
+    pub(crate) fn near(&self, origin: Vec3, reach: f32) -> bool {
+        let [low, high] = self.bounds;
+        (low - origin).max(origin - high).max_element() <= reach
+    }
+
+    /// Whether there may be something in the cone about `axis` (unit) whose radius at distance 1 is `spread`.
+    pub(crate) fn before(&self, origin: Vec3, axis: Vec3, spread: f32) -> bool {
+        let [low, high] = self.bounds;
+        let middle = (low + high) * 0.5;
+        let wide = Vec3::splat(spread * (middle.distance(origin) + middle.distance(high)));
+        let inverse = axis.recip();
+        let (a, b) = ((low - wide - origin) * inverse, (high + wide - origin) * inverse);
+        let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+        // A comparison with NaN, of a point on the border of a box along the axis, must not hide anything.
+        !(leave < 0.0 || enter > leave)
+    }
+
+    /// Whether nothing is in the way up to `distance`.
+    pub(crate) fn free(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
+        let Some(tree) = &self.tree else { return true };
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
+        tree.ray_traverse_miss(ray, |ray, i| {
+            self.triangles.get(i).map_or(f32::INFINITY, |t| t.intersect(ray))
+        })
+    }
+}
