@@ -18,11 +18,11 @@ fn main() -> Result<()> {
         ("tube", bent_tube()?, View::Front),
     ];
     for (name, scene, view) in scenes {
-        let bounds = scene.bounds().ok_or("nothing to see")?;
+        let points = || scene.parts.iter().flat_map(|p| &p.positions).copied();
         let triangles: usize = scene.parts.iter().map(|p| p.triangles.len()).sum();
         for fast in [false, true] {
             let settings = Settings { fast, ..Settings::default() };
-            let camera = Camera::framing(bounds, view, settings.size)?;
+            let camera = Camera::framing_points(points(), view, settings.size)?;
             let mut renderer = Renderer::default();
             let first = Instant::now();
             renderer.render(&scene, &camera, &settings)?;

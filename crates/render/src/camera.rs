@@ -44,6 +44,19 @@ impl View {
             Self::ThreeQuarter => [32.0, 27.0],
         }
     }
+
+    /// Right, up and back.
+    fn axes(self) -> [DVec3; 3] {
+        let [azimuth, elevation] = self.angles().map(f64::to_radians);
+        // The exact quarter turns, so that what is symmetric looks symmetric.
+        let turn = |angle: f64| match self {
+            Self::ThreeQuarter => angle.sin_cos(),
+            _ => (angle.sin().round(), angle.cos().round()),
+        };
+        let ((sa, ca), (se, ce)) = (turn(azimuth), turn(elevation));
+        let (back, up) = (DVec3::new(sa * ce, se, ca * ce), DVec3::new(-sa * se, ce, -ca * se));
+        [up.cross(back), up, back]
+    }
 }
 
 /// A long lens: little distortion, and still a sense of depth.
@@ -57,43 +70,55 @@ impl Camera {
     /// Give the box that holds all moments of an animation, and the camera can stay.
     pub fn framing(bounds: Bounds, view: View, size: [u32; 2]) -> Result<Self, RenderError> {
         let Bounds { min, max } = bounds;
-        let nothing = RenderError::Bounds { min, max };
-        let (low, high) = (DVec3::from(min.map(f64::from)), DVec3::from(max.map(f64::from)));
-        if !(low.is_finite() && high.is_finite() && low.cmple(high).all()) || low == high {
-            return Err(nothing);
+        if min.iter().zip(&max).any(|(a, b)| a > b) {
+            return Err(RenderError::Bounds { min, max });
         }
-        let [azimuth, elevation] = view.angles().map(f64::to_radians);
-        // The exact quarter turns, so that what is symmetric looks symmetric.
-        let turn = |angle: f64| match view {
-            View::ThreeQuarter => angle.sin_cos(),
-            _ => (angle.sin().round(), angle.cos().round()),
-        };
-        let ((sa, ca), (se, ce)) = (turn(azimuth), turn(elevation));
-        let back = DVec3::new(sa * ce, se, ca * ce);
-        let up = DVec3::new(-sa * se, ce, -ca * se);
-        let right = up.cross(back);
+        let pick = |i: usize, axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
+        Self::framing_points((0..8).map(|i| [0, 1, 2].map(|axis| pick(i, axis))), view, size)
+    }
+
+    /// A camera that has all points in its picture of `size` pixels: tighter than their box where the view is aslant. For an
+    /// animation, give the points of all moments. Points that are not finite count in no direction.
+    pub fn framing_points(
+        points: impl IntoIterator<Item = [f32; 3]>,
+        view: View,
+        size: [u32; 2],
+    ) -> Result<Self, RenderError> {
+        let [right, up, back] = view.axes();
         let half = (FOV_Y.to_radians() * 0.5).tan();
         let aspect = f64::from(size[0].max(1)) / f64::from(size[1].max(1));
         let (tx, ty) = (half * aspect * FILL, half * FILL);
-        let middle = (low + high) * 0.5;
-        // Each corner asks for a least distance along the four planes of the pyramid of sight.
+        // How far they reach along the normals of the four planes of the pyramid of sight, and towards the camera.
         let (mut xs, mut ys, mut front) = ([f64::MIN; 2], [f64::MIN; 2], f64::MIN);
-        for i in 0..8 {
-            let pick = |bit: u32, axis: usize| if i >> bit & 1 == 0 { low[axis] } else { high[axis] };
-            let corner = DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2)) - middle;
-            let (x, y, z) = (corner.dot(right), corner.dot(up), corner.dot(back));
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for point in points {
+            if point.iter().any(|c| c.is_nan()) {
+                continue;
+            }
+            let p = DVec3::from(point.map(f64::from));
+            let (x, y, z) = (p.dot(right), p.dot(up), p.dot(back));
             xs = [xs[0].max(x + tx * z), xs[1].max(tx * z - x)];
             ys = [ys[0].max(y + ty * z), ys[1].max(ty * z - y)];
             front = front.max(z);
+            for (axis, c) in point.into_iter().enumerate() {
+                (low[axis], high[axis]) = (low[axis].min(c), high[axis].max(c));
+            }
         }
-        let distance = ((xs[0] + xs[1]) / (2.0 * tx)).max((ys[0] + ys[1]) / (2.0 * ty));
+        let nothing = RenderError::Bounds { min: low, max: high };
+        let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+        let (low, high) = (wide(low), wide(high));
+        if !(low.is_finite() && high.is_finite()) || low == high {
+            return Err(nothing);
+        }
+        let middle = ((low + high) * 0.5).dot(back);
         // A rod seen from its end: do not stand in it.
-        let distance = distance.max(front + (high - low).length() * 0.5);
-        let centre = middle + right * ((xs[0] - xs[1]) * 0.5) + up * ((ys[0] - ys[1]) * 0.5);
+        let clear = front + (high - low).length() * 0.5;
+        let depth = ((xs[0] + xs[1]) / (2.0 * tx)).max((ys[0] + ys[1]) / (2.0 * ty)).max(clear);
+        let centre = right * ((xs[0] - xs[1]) * 0.5) + up * ((ys[0] - ys[1]) * 0.5);
         let narrow = |v: DVec3| v.as_vec3().to_array();
         let camera = Self {
-            eye: narrow(centre + back * distance),
-            target: narrow(centre),
+            eye: narrow(centre + back * depth),
+            target: narrow(centre + back * middle),
             up: narrow(up),
             fov_y: FOV_Y.to_radians() as f32,
         };

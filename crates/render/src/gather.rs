@@ -180,7 +180,11 @@ fn merge(stage: Stage<'_>, hits: &[(usize, Hit)], at: [usize; 2], tracer: Option
 /// Weights of a blur that is exactly even over patterns that repeat every four pixels: a box of four, centred by halves.
 const KERNEL: [f32; 5] = [0.125, 0.25, 0.25, 0.25, 0.125];
 
-/// Smooths openness along each surface, across and then down. The sky, which has no edges, twice, with wider steps.
+/// How much the light of two neighbours may differ for the wider steps to blend them: noise does, a shadow's edge more.
+const SAME_LIGHT: f32 = 0.3;
+
+/// Smooths openness along each surface, across and then down, twice: first over the pattern of rays, then with wider
+/// steps over what jitter is left.
 pub(crate) fn smooth(pixels: &mut [Pixel], columns: usize, footprint: f32) {
     let rows = pixels.len() / columns;
     let mut open = Vec::new();
@@ -192,8 +196,7 @@ pub(crate) fn smooth(pixels: &mut [Pixel], columns: usize, footprint: f32) {
             .map(|i| {
                 let (x, y) = (i % columns, i / columns);
                 let (at, limit, stride) = if down { (y, rows, columns) } else { (x, columns, 1) };
-                let open = blend(source, i, [at, limit, stride], step, footprint * step as f32);
-                if step == 1 { open } else { Open { key: source[i].open.key, ..open } }
+                blend(source, i, [at, limit, stride], step, footprint * step as f32)
             })
             .collect_into_vec(&mut open);
         pixels.iter_mut().zip(&open).for_each(|(pixel, open)| pixel.open = *open);
@@ -207,7 +210,7 @@ fn blend(pixels: &[Pixel], i: usize, [at, limit, stride]: [usize; 3], step: usiz
     if center.owner == NOBODY {
         return Open::FULL;
     }
-    let (mut sum, mut total) = (Open::default(), 0.0);
+    let (mut sum, mut total) = (Open::default(), Open::default());
     for (tap, kernel) in KERNEL.into_iter().enumerate() {
         let Some(place) = (at + tap * step).checked_sub(2 * step).filter(|&p| p < limit) else { continue };
         let other = &pixels[i + place * stride - at * stride];
@@ -218,10 +221,14 @@ fn blend(pixels: &[Pixel], i: usize, [at, limit, stride]: [usize; 3], step: usiz
         } else {
             continue;
         };
-        sum = Open { sky: sum.sky + other.open.sky * weight, key: sum.key + other.open.key * weight };
-        total += weight;
+        sum.sky += other.open.sky * weight;
+        total.sky += weight;
+        if step == 1 || (other.open.key - center.open.key).abs() < SAME_LIGHT {
+            sum.key += other.open.key * weight;
+            total.key += weight;
+        }
     }
-    Open { sky: sum.sky / total, key: sum.key / total }
+    Open { sky: sum.sky / total.sky, key: sum.key / total.key }
 }
 
 /// A fold of this radius, in heights of the picture, is halfway to the darkest or lightest.

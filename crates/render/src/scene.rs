@@ -7,7 +7,7 @@ use wirework_surface::{Bounds, Mesh, MeshError, VertexMesh};
 use crate::{RenderError, Texture};
 
 /// The colour of things that have none, linear: warm grey clay, on which relief reads well.
-pub const CLAY: [f32; 3] = [0.56, 0.44, 0.36];
+pub const CLAY: [f32; 3] = [0.52, 0.415, 0.345];
 
 /// Surfaces, lines and points.
 #[derive(Clone, Debug, Default)]

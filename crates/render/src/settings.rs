@@ -22,7 +22,7 @@ pub struct Settings {
     /// The light.
     pub light: Light,
     /// The background in the middle of the picture and in its corners, linear, as it is on the screen.
-    /// Default: a light grey that darkens a little outwards.
+    /// Default: a grey that darkens outwards.
     pub background: [[f32; 3]; 2],
 }
 
@@ -33,7 +33,7 @@ impl Default for Settings {
             fast: false,
             samples: 2,
             light: Light::default(),
-            background: [[0.66, 0.68, 0.71], [0.36, 0.38, 0.41]],
+            background: [[0.50, 0.52, 0.55], [0.24, 0.255, 0.28]],
         }
     }
 }
@@ -63,10 +63,10 @@ pub struct Light {
 impl Default for Light {
     fn default() -> Self {
         Self {
-            key: 1.9,
-            fill: 0.30,
+            key: 2.0,
+            fill: 0.22,
             ambient: 0.30,
-            rim: 0.30,
+            rim: 0.40,
             gloss: 0.10,
             cavity: 1.0,
             occlusion: 1.0,

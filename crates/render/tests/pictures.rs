@@ -164,7 +164,7 @@ fn texture_coordinates_follow_perspective() {
 fn shadows_fall_where_the_light_is_blocked_and_nowhere_else() {
     // A wall at z = 0 and a small plate before it: the light comes from the left and above, so the shadow is to the
     // right and below.
-    let parts = || vec![square(5.0, 0.0, WHITE), square(0.25, 0.5, WHITE)];
+    let parts = || vec![square(5.0, 0.0, WHITE), square(0.4, 0.5, WHITE)];
     let settings = Settings { fast: false, ..plain(201) };
     let camera = camera(20.0, 2.0);
     let with = render(&scene(parts()), &camera, &settings).unwrap();
@@ -274,6 +274,26 @@ fn framing_holds_the_box_and_fills_the_picture() {
             }
         }
     }
+}
+
+#[test]
+fn points_are_framed_closer_than_their_box_and_do_not_leave_the_picture() {
+    let ball = Part::new(&sphere([3.0, 1.0, -2.0], 1.0, [64, 32]).unwrap()).unwrap();
+    let settings = Settings {
+        background: [[0.0; 3]; 2],
+        ..Settings { fast: true, size: [120, 100], ..Settings::default() }
+    };
+    let rows = |camera: &Camera| {
+        let picture = render(&scene(vec![ball.clone()]), camera, &settings).unwrap();
+        let lit = |y: u32| (0..120).any(|x| at(&picture, x, y)[0] > 20);
+        (0..100).filter(|&y| lit(y)).count()
+    };
+    let bounds = Bounds::of(&ball.positions).unwrap();
+    let boxed = rows(&Camera::framing(bounds, View::ThreeQuarter, settings.size).unwrap());
+    let broken = [f32::NAN, 1e30, 0.0];
+    let points = ball.positions.iter().copied().chain([broken]);
+    let close = rows(&Camera::framing_points(points, View::ThreeQuarter, settings.size).unwrap());
+    assert!((85..=88).contains(&close) && boxed < 75, "{close} and {boxed} rows of 100");
 }
 
 /// Something of everything.
