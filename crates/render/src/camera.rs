@@ -62,7 +62,7 @@ impl View {
 /// A long lens: little distortion, and still a sense of depth.
 const FOV_Y: f64 = 28.0;
 /// How much of each half side of the picture the framed box may take: the rest is air.
-const FILL: f64 = 0.86;
+const FILL: f64 = 0.82;
 
 impl Camera {
     /// A camera that has the whole box in its picture of `size` pixels, as large as it goes with some air round it.

@@ -56,7 +56,7 @@ pub(crate) struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    /// Four rays of each kind a pixel, or one a sample where that is more.
+    /// Four rays to the sky for each pixel, or one for each sample where that is more.
     pub(crate) fn new(rays: &'a Rays, lamps: &'a Lamps, space: &'a Space, samples: u32) -> Self {
         let samples = (samples * samples) as usize;
         let rays_per_sample = 4usize.div_ceil(samples);
@@ -65,14 +65,19 @@ impl<'a> Tracer<'a> {
 
     /// How open a sample lies: the mean over its rays.
     pub(crate) fn open(&self, hit: &Hit, pixel: [usize; 2], sample: usize) -> Open {
-        let facing = hit.normal.dot(self.lamps.key);
+        Open { sky: self.sky_open(hit, pixel, sample), key: self.key_open(hit, pixel, sample) }
+    }
+
+    fn sky_open(&self, hit: &Hit, pixel: [usize; 2], sample: usize) -> f32 {
         let grounded = self.space.ground.is_some() && hit.owner != GROUND;
-        let sky =
-            if grounded || self.rays.near(hit.origin, REACH) { self.sky(hit, pixel, sample) } else { 1.0 };
+        if grounded || self.rays.near(hit.origin, REACH) { self.sky(hit, pixel, sample) } else { 1.0 }
+    }
+
+    fn key_open(&self, hit: &Hit, pixel: [usize; 2], sample: usize) -> f32 {
         // Light from behind is the shader's to take away: there, rays would only meet the surface itself.
-        let blocked = facing > -SPREAD && self.rays.before(hit.origin, self.lamps.key, SPREAD);
-        let key = if blocked { self.key(hit, pixel, sample) } else { 1.0 };
-        Open { sky, key }
+        let facing = hit.normal.dot(self.lamps.key) > -SPREAD;
+        let blocked = facing && self.rays.before(hit.origin, self.lamps.key, SPREAD);
+        if blocked { self.key(hit, pixel, sample) } else { 1.0 }
     }
 
     fn sky(&self, hit: &Hit, pixel: [usize; 2], sample: usize) -> f32 {
@@ -151,10 +156,16 @@ fn merge(stage: Stage<'_>, hits: &[(usize, Hit)], at: [usize; 2], tracer: Option
     let near = Pixel { position, normal, owner, color: stage.color(first), open: Open::FULL, whole: false };
     let mut sum =
         Pixel { position: Vec3::ZERO, normal: Vec3::ZERO, color: Vec3::ZERO, open: Open::default(), ..near };
-    let mut count = 0;
+    let (mut count, mut last) = (0, Open::FULL);
     for (i, hit) in hits {
         if same(&near, hit.owner, hit.position, hit.normal, footprint) {
-            let open = tracer.map_or(Open::FULL, |t| t.open(hit, at, *i));
+            // A shadow's rays differ less than those to the sky: every other sample shares those of the one before.
+            let open = match tracer {
+                None => Open::FULL,
+                Some(t) if count % 2 == 1 => Open { sky: t.sky_open(hit, at, *i), ..last },
+                Some(t) => t.open(hit, at, *i),
+            };
+            last = open;
             sum.position += hit.position;
             sum.normal += hit.normal;
             sum.color += stage.color(hit);
@@ -180,15 +191,12 @@ fn merge(stage: Stage<'_>, hits: &[(usize, Hit)], at: [usize; 2], tracer: Option
 /// Weights of a blur that is exactly even over patterns that repeat every four pixels: a box of four, centred by halves.
 const KERNEL: [f32; 5] = [0.125, 0.25, 0.25, 0.25, 0.125];
 
-/// How much the light of two neighbours may differ for the wider steps to blend them: noise does, a shadow's edge more.
-const SAME_LIGHT: f32 = 0.3;
-
 /// Smooths openness along each surface, across and then down, twice: first over the pattern of rays, then with wider
-/// steps over what jitter is left.
+/// steps over what jitter is left. (A second pass that kept the edges of shadows cut wide penumbrae into steps.)
 pub(crate) fn smooth(pixels: &mut [Pixel], columns: usize, footprint: f32) {
     let rows = pixels.len() / columns;
     let mut open = Vec::new();
-    for (step, down) in [(1, false), (1, true), (3, false), (3, true)] {
+    for (step, down) in [(1, false), (1, true), (2, false), (2, true)] {
         let source: &[Pixel] = pixels;
         (0..pixels.len())
             .into_par_iter()
@@ -210,7 +218,7 @@ fn blend(pixels: &[Pixel], i: usize, [at, limit, stride]: [usize; 3], step: usiz
     if center.owner == NOBODY {
         return Open::FULL;
     }
-    let (mut sum, mut total) = (Open::default(), Open::default());
+    let (mut sum, mut total) = (Open::default(), 0.0);
     for (tap, kernel) in KERNEL.into_iter().enumerate() {
         let Some(place) = (at + tap * step).checked_sub(2 * step).filter(|&p| p < limit) else { continue };
         let other = &pixels[i + place * stride - at * stride];
@@ -221,14 +229,10 @@ fn blend(pixels: &[Pixel], i: usize, [at, limit, stride]: [usize; 3], step: usiz
         } else {
             continue;
         };
-        sum.sky += other.open.sky * weight;
-        total.sky += weight;
-        if step == 1 || (other.open.key - center.open.key).abs() < SAME_LIGHT {
-            sum.key += other.open.key * weight;
-            total.key += weight;
-        }
+        sum = Open { sky: sum.sky + other.open.sky * weight, key: sum.key + other.open.key * weight };
+        total += weight;
     }
-    Open { sky: sum.sky / total.sky, key: sum.key / total.key }
+    Open { sky: sum.sky / total, key: sum.key / total }
 }
 
 /// A fold of this radius, in heights of the picture, is halfway to the darkest or lightest.

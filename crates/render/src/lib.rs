@@ -29,8 +29,8 @@
 //!
 //! 1. All positions go to the camera's space, with the picture's height at the camera's target as unit.
 //! 2. Triangles are cut to what is in front of the camera and filled into samples, 2×2 a pixel by default.
-//! 3. Each pixel's nearest surface gets rays to the sky (ambient occlusion) and to the key light (soft shadow), four of
-//!    each, from a set that is spread over 4×4 pixels; a blur along the surface gives every pixel the whole set.
+//! 3. Each pixel's nearest surface gets rays to the sky (ambient occlusion) and to the key light (soft shadow), four and
+//!    two, from a set that is spread over 4×4 pixels; a blur along the surface gives every pixel the whole set.
 //! 4. Each sample is shaded with its own normal and colour: key light, fill, dome, gloss, rim, and the bend of the
 //!    surface round the pixel, so that shallow wrinkles read; a filmic curve; the mean of the samples.
 //! 5. Lines and dots are drawn over it, tested against the samples' depths.

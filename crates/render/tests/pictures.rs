@@ -268,9 +268,9 @@ fn framing_holds_the_box_and_fills_the_picture() {
                 };
                 let (x, y) = (margin(0), margin(1));
                 let shallow = bounds.min[1] == bounds.max[1];
-                // The dots' own radius takes a little of the 7 % of air.
+                // The dots' own radius takes a little of the 9 % of air.
                 assert!(x > 0.04 && y > 0.04, "{view:?} {bounds:?}: {x} {y}");
-                assert!(x.min(y) < 0.09 || shallow, "{view:?} {bounds:?}: {x} {y}");
+                assert!(x.min(y) < 0.11 || shallow, "{view:?} {bounds:?}: {x} {y}");
             }
         }
     }
@@ -293,7 +293,7 @@ fn points_are_framed_closer_than_their_box_and_do_not_leave_the_picture() {
     let broken = [f32::NAN, 1e30, 0.0];
     let points = ball.positions.iter().copied().chain([broken]);
     let close = rows(&Camera::framing_points(points, View::ThreeQuarter, settings.size).unwrap());
-    assert!((85..=88).contains(&close) && boxed < 75, "{close} and {boxed} rows of 100");
+    assert!((81..=84).contains(&close) && boxed < 72, "{close} and {boxed} rows of 100");
 }
 
 /// Something of everything.

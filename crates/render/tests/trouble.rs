@@ -230,3 +230,14 @@ fn a_texture_without_coordinates_is_no_texture() {
     part.uvs.clear();
     assert_eq!(render(&of(part), &CAMERA, &SMALL).unwrap(), expected);
 }
+
+#[test]
+fn many_triangles_in_one_place_are_drawn_as_one() {
+    let expected = render(&of(ball()), &CAMERA, &SMALL).unwrap();
+    let mut part = ball();
+    let once = part.triangles.clone();
+    (0..60).for_each(|_| part.triangles.extend(&once));
+    // And so many without any extent.
+    part.triangles.extend(vec![[0; 3]; 20_000]);
+    assert_eq!(render(&of(part), &CAMERA, &SMALL).unwrap(), expected);
+}
