@@ -1,10 +1,13 @@
 //! What is in the way of a ray.
+//!
+//! Walking and refitting are `obvhs`'; the tree is halved at the median of the centres along the longest side. The crate's
+//! own builder makes trees that saved 5 % of a picture's time, and out of many triangles in one place makes chains as long
+//! as the list: seconds of building, and an overflow of the stack in debug builds.
 
 use glam::{Vec3, Vec3A};
-use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ray::Ray;
 use obvhs::rt_triangle::RtTriangle;
 
@@ -13,6 +16,9 @@ use crate::space::Geometry;
 /// Boxes are this much wider than what is in them, in heights of the picture: more than the rounding of the ray's walk,
 /// so that a hit never depends on the tree's shape, and a refitted tree gives the picture of a new one.
 const MARGIN: f32 = 1e-5;
+
+/// Triangles in a leaf, at most: fewer makes more boxes than triangles, more tests triangles for nothing.
+const LEAF: usize = 4;
 
 /// A tree of boxes over triangles, kept from frame to frame while they join the same vertices.
 #[derive(Default)]
@@ -39,8 +45,7 @@ impl Rays {
         };
         if self.tree.is_none() || self.built_for != geometry.triangles {
             let triangles: Vec<RtTriangle> = (0..geometry.triangles.len()).map(list).collect();
-            let mut time = std::time::Duration::default();
-            self.tree = Some(build_bvh2(&triangles, BvhBuildParams::fast_build(), &mut time));
+            self.tree = Some(halve(&triangles));
             self.built_for.clone_from(&geometry.triangles);
         }
         let Some(tree) = &mut self.tree else { return };
@@ -87,4 +92,32 @@ impl Rays {
             self.triangles.get(i).map_or(f32::INFINITY, |t| t.intersect(ray))
         })
     }
+}
+
+/// The tree's shape; its boxes are still to be fitted.
+fn halve(triangles: &[RtTriangle]) -> Bvh2 {
+    let boxes = triangles.iter().map(RtTriangle::aabb);
+    let mut order: Vec<(Vec3A, u32)> = boxes.zip(0..).map(|(b, i)| (b.center(), i)).collect();
+    let mut nodes = vec![Bvh2Node::new(Aabb::empty(), 0, 0)];
+    let mut open = vec![(0, 0, order.len())];
+    while let Some((node, start, end)) = open.pop() {
+        let range = &mut order[start..end];
+        if range.len() <= LEAF {
+            nodes[node] = Bvh2Node::new(Aabb::empty(), range.len() as u32, start as u32);
+            continue;
+        }
+        let (low, high) = range
+            .iter()
+            .fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(l, h), (c, _)| (l.min(*c), h.max(*c)));
+        let size = high - low;
+        let axis = (0..3).fold(0, |best, axis| if size[axis] > size[best] { axis } else { best });
+        let middle = range.len() / 2;
+        range.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
+        let children = nodes.len();
+        nodes[node] = Bvh2Node::new(Aabb::empty(), 0, children as u32);
+        nodes.extend([Bvh2Node::new(Aabb::empty(), 0, 0); 2]);
+        open.extend([(children, start, start + middle), (children + 1, start + middle, end)]);
+    }
+    let primitive_indices = order.into_iter().map(|(_, i)| i).collect();
+    Bvh2 { nodes, primitive_indices, children_are_ordered_after_parents: true, ..Bvh2::default() }
 }
