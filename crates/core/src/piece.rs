@@ -272,12 +272,15 @@ impl Piece {
         for _ in 0..STEPS {
             let value = g0 + x * (g1 + x * (g2 + x * (g3 + x * (g4 + x * g5))));
             let slope = g1 + x * (h2 + x * (h3 + x * (h4 + x * h5)));
-            change = value / slope;
-            let moved = x - change;
+            let step = value / slope;
+            let moved = x - step;
             let moved = moved.less(zero).select(zero, moved);
-            x = one.less(moved).select(one, moved);
-            let size = change.less(zero).select(-change, change);
-            change = zero.less(slope).select(size, one);
+            let moved = one.less(moved).select(one, moved);
+            let size = step.less(zero).select(-step, step);
+            // A lane that has settled stays, however many steps its neighbours take: every width gives the same bits.
+            let goes_on = settled.at_most(change);
+            x = goes_on.select(moved, x);
+            change = goes_on.select(zero.less(slope).select(size, one), change);
             if simd.first_true_m64s(settled.at_most(change).1) >= S::F64_LANES {
                 break;
             }

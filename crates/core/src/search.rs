@@ -129,6 +129,20 @@ impl Sought<'_> {
 
     /// The feet of the first `count` points of a tile; none where the wire reaches nothing of it.
     pub(crate) fn tile(self, tile: &Tile, balls: &Balls, all: &[Candidate], count: usize) -> Option<Found> {
+        self.task(tile, balls, all, count).map(|task| pulp::Arch::new().dispatch(task))
+    }
+
+    /// The search of a tile; none where the wire reaches nothing of it.
+    fn task<'a>(
+        self,
+        tile: &'a Tile,
+        balls: &'a Balls,
+        all: &'a [Candidate],
+        count: usize,
+    ) -> Option<Search<'a>>
+    where
+        Self: 'a,
+    {
         let own = &self.pieces.ball;
         let domains = self.domains.iter().map(|domain| domain.reach(self.pieces));
         let reach = domains.fold(self.reach, f64::max);
@@ -137,7 +151,27 @@ impl Sought<'_> {
             return None;
         }
         let found = Found::new(count, self.domains.len());
-        Some(pulp::Arch::new().dispatch(Search { sought: self, reach, tile, balls, all, found }))
+        Some(Search { sought: self, reach, tile, balls, all, found })
+    }
+
+    /// The feet of a tile by vectors or one number at a time, as bits: segment, place, distance, weight.
+    #[cfg(test)]
+    pub(crate) fn both(
+        self,
+        tile: &Tile,
+        balls: &Balls,
+        count: usize,
+        fast: bool,
+    ) -> Vec<(u32, u32, u64, u32)> {
+        let all = self.pieces.all();
+        let Some(task) = self.task(tile, balls, &all, count) else { return Vec::new() };
+        let found = if fast {
+            pulp::Arch::new().dispatch(task)
+        } else {
+            pulp::WithSimd::with_simd(task, pulp::Scalar)
+        };
+        let feet = found.feet.iter().chain(found.more.iter().map(|(_, foot)| foot));
+        feet.map(|f| (f.span, f.t.to_bits(), f.distance.to_bits(), f.weight.to_bits())).collect()
     }
 }
 

@@ -1,8 +1,8 @@
 //! \[SF98\] §3.1: directions of directional dropoffs, which count as seen along the wire: one along it has no effect.
 
+use glam::{DVec3, Vec3};
 use wirework_core::{Curve, Keyed};
 
-use crate::geometry::{Vector, dot, sine, unit, vector};
 use crate::keyed_wire::KeyedWire;
 use crate::moments::{key_nodes, moments};
 use crate::read::{Fields, Reader};
@@ -33,10 +33,20 @@ pub(crate) fn keyed_direction(reader: &mut Reader<'_>, node: &Node) -> Option<Ke
     })
 }
 
+/// The vector of length 1; none where it has no direction.
+fn unit(v: [f32; 3]) -> Option<DVec3> {
+    Vec3::from_array(v).as_dvec3().try_normalize()
+}
+
+/// Whether unit vectors point the same way or opposite ways.
+fn are_parallel(a: DVec3, b: DVec3) -> bool {
+    a.cross(b).length() < PARALLEL
+}
+
 /// Whether the straight way from one direction to the other leads through 0.
 fn are_opposite(a: [f32; 3], b: [f32; 3]) -> bool {
-    let (Some(a), Some(b)) = (unit(vector(a)), unit(vector(b))) else { return false };
-    dot(a, b) < 0.0 && sine(a, b) < PARALLEL
+    let (Some(a), Some(b)) = (unit(a), unit(b)) else { return false };
+    a.dot(b) < 0.0 && are_parallel(a, b)
 }
 
 /// Refuses directions along the wire, at all places where they count; a warning where they run along it at some. None where the
@@ -98,7 +108,7 @@ fn check_direction(
         judge(reader, node, *direction, &all);
         return Some(());
     }
-    let mut now: Vec<(f32, Vector)> = Vec::new();
+    let mut now: Vec<(f32, DVec3)> = Vec::new();
     for (i, ((seconds, node), &value)) in key_nodes(node).zip(track.values()).enumerate() {
         if i == 0 || wire.reference.is_some() {
             reader.look(cost)?;
@@ -110,13 +120,13 @@ fn check_direction(
 }
 
 /// Where the wire has a direction, and which.
-fn tangents(curve: &Curve, at: &[f32]) -> Vec<(f32, Vector)> {
-    at.iter().filter_map(|&u| Some((u, unit(vector(curve.tangent(u)))?))).collect()
+fn tangents(curve: &Curve, at: &[f32]) -> Vec<(f32, DVec3)> {
+    at.iter().filter_map(|&u| Some((u, unit(curve.tangent(u))?))).collect()
 }
 
-fn judge(reader: &mut Reader<'_>, node: &Node, direction: [f32; 3], tangents: &[(f32, Vector)]) {
-    let Some(direction) = unit(vector(direction)) else { return };
-    let along = |(_, tangent): &&(f32, Vector)| sine(direction, *tangent) < PARALLEL;
+fn judge(reader: &mut Reader<'_>, node: &Node, direction: [f32; 3], tangents: &[(f32, DVec3)]) {
+    let Some(direction) = unit(direction) else { return };
+    let along = |(_, tangent): &&(f32, DVec3)| are_parallel(direction, *tangent);
     let Some((u, _)) = tangents.iter().find(along) else { return };
     if tangents.iter().filter(along).count() == tangents.len() {
         let message =

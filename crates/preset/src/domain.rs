@@ -1,9 +1,10 @@
 //! \[SF98\] §3.2 as a preset: `Domain(curve: .., delta: .., exponent: .., bounds: Influence)`.
 
+use glam::{DVec3, Vec3};
 use wirework_core::{Bounded, Curve, Domain, Keyed};
+use wirework_surface::Bounds;
 
 use crate::curve::curve;
-use crate::geometry::{Vector, difference, length, vector};
 use crate::keyed_wire::{KeyedDomain, KeyedWire};
 use crate::moments::{key_nodes, moments};
 use crate::read::{Fields, Reader, Within};
@@ -143,9 +144,10 @@ fn meeting(reader: &mut Reader<'_>, domain: &Curve, reference: &Curve) -> Option
         _ if first > LAST => return Some(Meeting::Lies),
         _ => return Some(Meeting::Touches),
     }
-    let samples: Vec<Vector> = (0..=LAST).map(|i| vector(domain.point(u(i) as f32))).collect();
+    let samples: Vec<DVec3> =
+        (0..=LAST).map(|i| Vec3::from_array(domain.point(u(i) as f32)).as_dvec3()).collect();
     let between = |i: usize, j: usize| match (samples.get(i), samples.get(j)) {
-        (Some(a), Some(b)) => length(difference(*a, *b)),
+        (Some(a), Some(b)) => a.distance(*b),
         _ => f64::MAX,
     };
     let (mut i, mut least, mut at) = (0, f64::MAX, 0);
@@ -193,11 +195,8 @@ fn nearest(mut f: impl FnMut(f64) -> Option<f64>, mut a: f64, mut b: f64) -> Opt
 
 /// How near is on the curve: a part of its extent, and what float32 rounds off its coordinates.
 fn tolerance(curve: &Curve) -> f64 {
-    let points = || curve.points().iter().map(|point| vector(*point));
-    let corner = |pick: fn(f64, f64) -> f64, start: f64| {
-        points().fold([start; 3], |corner, p| [0, 1, 2].map(|i| pick(corner[i], p[i])))
-    };
-    let (min, max) = (corner(f64::min, f64::INFINITY), corner(f64::max, f64::NEG_INFINITY));
-    let coordinate = min.into_iter().chain(max).map(f64::abs).fold(0.0, f64::max);
-    ON * length(difference(max, min)) + 2.0 * f64::from(f32::EPSILON) * coordinate
+    let Some(Bounds { min, max }) = Bounds::of(curve.points()) else { return 0.0 };
+    let (min, max) = (Vec3::from_array(min).as_dvec3(), Vec3::from_array(max).as_dvec3());
+    let coordinate = min.abs().max(max.abs()).max_element();
+    ON * min.distance(max) + 2.0 * f64::from(f32::EPSILON) * coordinate
 }

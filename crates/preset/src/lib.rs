@@ -23,7 +23,6 @@ mod deform;
 mod direction;
 mod domain;
 mod error;
-mod geometry;
 mod keyed_wire;
 mod later;
 mod lattice;
