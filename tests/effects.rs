@@ -6,7 +6,7 @@ use wirework::asset::Limits;
 use wirework::core::{Lattice, LatticeBinding};
 use wirework::preset::{self, Action, Preset};
 use wirework::surface::{Transform, grid};
-use wirework::{ApplyError, Binding, Blend, EvaluateError, Evaluation, Fault, Subject, parse};
+use wirework::{Binding, Blend, EvaluateError, Evaluation, Fault, JobError, Subject, parse};
 
 fn read(text: &str) -> Preset {
     parse(text.as_bytes(), &preset::Limits::default()).unwrap_or_else(|errors| panic!("{errors}")).preset
@@ -317,7 +317,7 @@ fn parts_of_nothing_are_refused() {
     );
     let subject = subject(&preset);
     let error = subject.bind(&preset, Path::new(""), &Limits::default()).unwrap_err();
-    assert!(matches!(&error, ApplyError::OwnObject(EvaluateError::NoExtent { effect: 1 })), "{error:?}");
+    assert!(matches!(&error, JobError::OwnObject(EvaluateError::NoExtent { effect: 1 })), "{error:?}");
     assert_eq!(error.fault(), Fault::Preset);
     let lost = Evaluation::new(&preset.effects, &[[f32::NAN; 3]], &[]).unwrap_err();
     assert_eq!(lost, EvaluateError::NoExtent { effect: 1 });

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use wirework::asset::{OutputFile, printable, write_files};
-use wirework::{ApplyError, Fault, Job, Report, When, bake};
+use wirework::{Fault, Job, JobError, Report, When, bake};
 
 use crate::args::{Apply, Bake};
 use crate::console::{Console, print};
@@ -40,7 +40,7 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     let job = Job { max_frames: args.limits.max_frames.unwrap_or(job.max_frames), ..job };
     let report = wirework::apply(&job, &mut |progress| console.progress(progress)).map_err(|error| {
         console.end_progress();
-        if let ApplyError::Strict(warnings) = &error {
+        if let JobError::Strict(warnings) = &error {
             for warning in warnings {
                 console.fail(warning);
             }
@@ -122,7 +122,7 @@ fn tell(console: Console, args: &Apply, report: &Report) -> Result<(), Failure> 
         Some(path) if path == Path::new("-") => print(report.to_json().as_bytes()),
         Some(path) => {
             let file = OutputFile::new(path, report.to_json().into_bytes());
-            write_files(&[file]).map_err(|error| Failure::from(ApplyError::from(error)))
+            write_files(&[file]).map_err(|error| Failure::from(JobError::from(error)))
         }
     }
 }

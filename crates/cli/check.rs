@@ -4,7 +4,7 @@ use std::path::Path;
 
 use wirework::asset::printable;
 use wirework::preset::PresetError;
-use wirework::{ApplyError, Fault, FileKind, PresetFile, Subject, check_images};
+use wirework::{Fault, FileKind, JobError, PresetFile, Subject, check_images};
 
 use crate::args::Check;
 use crate::console::Console;
@@ -50,7 +50,7 @@ fn tell(console: Console, warnings: Vec<String>, args: &Check) -> Result<(), Fai
     for warning in &warnings {
         say(console, warning);
     }
-    if args.strict && !warnings.is_empty() { Err(ApplyError::Strict(warnings).into()) } else { Ok(()) }
+    if args.strict && !warnings.is_empty() { Err(JobError::Strict(warnings).into()) } else { Ok(()) }
 }
 
 /// Refuses a model in the place of a preset.
@@ -74,7 +74,7 @@ struct Doubts {
 }
 
 /// Whether a preset fits the model, or else its own object; without one, whether what it reads is there.
-fn fit(file: &PresetFile, path: &Path, model: Option<&Subject>, args: &Check) -> Result<Doubts, ApplyError> {
+fn fit(file: &PresetFile, path: &Path, model: Option<&Subject>, args: &Check) -> Result<Doubts, JobError> {
     let (path, preset) = (presets::named(path), &file.parsed.preset);
     let (folder, limits) = (path.parent().unwrap_or(Path::new("")), args.limits.asset());
     let own = if model.is_none() { Subject::from_preset(preset, path, &limits)? } else { None };
@@ -86,7 +86,7 @@ fn fit(file: &PresetFile, path: &Path, model: Option<&Subject>, args: &Check) ->
     let mut now = subject.points.clone();
     evaluation.at(0.0, &mut now)?;
     if let Some(point) = now.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
-        return Err(ApplyError::OutOfRange { point, seconds: 0.0 });
+        return Err(JobError::OutOfRange { point, seconds: 0.0 });
     }
     let mut warnings = own.as_ref().map_or_else(Vec::new, Subject::warnings);
     let name = printable(&file.file);

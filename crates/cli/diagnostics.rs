@@ -3,7 +3,7 @@
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use wirework::asset::printable;
 use wirework::preset::PresetError;
-use wirework::{ApplyError, Fault, PresetFile, PresetFileError};
+use wirework::{Fault, JobError, PresetFile, PresetFileError};
 
 use crate::console::{Console, say};
 use crate::exit::Failure;
@@ -31,8 +31,8 @@ pub(crate) fn refuse(console: Console, error: &PresetFileError) -> Failure {
 }
 
 /// Says why an effect is not applied: where the preset is at fault at a place of it, with that place.
-pub(crate) fn fail(console: Console, preset: &PresetFile, error: ApplyError) -> Failure {
-    let ApplyError::Preset(found) = &error else { return Failure::from(error) };
+pub(crate) fn fail(console: Console, preset: &PresetFile, error: JobError) -> Failure {
+    let JobError::Preset(found) = &error else { return Failure::from(error) };
     say(&draw(console, Level::ERROR, &preset.file, &preset.text, found));
     Failure::said(error.fault())
 }

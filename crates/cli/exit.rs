@@ -1,6 +1,6 @@
 //! Failures and their exit codes.
 
-use wirework::{ApplyError, Fault};
+use wirework::{Fault, JobError};
 
 /// Why a command ends early.
 #[derive(Debug)]
@@ -39,8 +39,8 @@ impl Failure {
     }
 }
 
-impl From<ApplyError> for Failure {
-    fn from(error: ApplyError) -> Self {
+impl From<JobError> for Failure {
+    fn from(error: JobError) -> Self {
         Self::new(error.fault(), error.to_string())
     }
 }

@@ -1,18 +1,20 @@
 //! From a preset and an input to files: read, bind, deform, shade, bake, write.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use wirework_asset::{Limits, same_file, write_files};
 use wirework_bake::{Bake, Settings};
 use wirework_preset::Preset;
 
-use crate::film::{Controlled, Film, check_clip};
-use crate::mask::{mask_files, masks};
+use crate::film::{Film, check_clip};
+use crate::mask::masks;
+use crate::motion::Motion;
 use crate::output::{Scene, Target};
 use crate::report::peak_bytes;
-use crate::subject::{Model, Subject, unfit};
-use crate::{ApplyError, Evaluation, Report, Schedule, When, schedule};
+use crate::source::{Source, parts};
+use crate::subject::{Subject, unfit};
+use crate::{Evaluation, JobError, Report, Schedule, When, schedule};
 
 /// What to apply, to what, and how.
 #[derive(Clone, Debug)]
@@ -77,6 +79,11 @@ impl<'a> Job<'a> {
             strict: false,
         }
     }
+
+    pub(crate) fn source(&self) -> Source<'_> {
+        let Self { preset, preset_path, input, ref limits, .. } = *self;
+        Source { preset, preset_path, input, limits }
+    }
 }
 
 /// How far the work has come.
@@ -95,25 +102,30 @@ pub struct Progress {
 /// # Errors
 ///
 /// Whatever is wrong with request, preset, input or output; nothing is written then.
-pub fn apply(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, ApplyError> {
-    let Some(threads) = job.threads else { return run(job, progress) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| ApplyError::Threads(threads, error.to_string()))?;
-    pool.install(|| run(job, progress))
+pub fn apply(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, JobError> {
+    on_threads(job.threads, || run(job, progress))
 }
 
-fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, ApplyError> {
+/// Works on a pool of so many threads, or else on rayon's own.
+pub(crate) fn on_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> Result<T, JobError> + Send,
+) -> Result<T, JobError> {
+    let Some(threads) = threads else { return work() };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| JobError::Threads(threads, error.to_string()))?.install(work)
+}
+
+fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, JobError> {
     let start = Instant::now();
     let preset = job.preset;
     let schedule = schedule(&job.when, preset.duration, preset.animated, job.fps, job.max_frames)?;
     let target = target(job, &schedule)?;
-    for path in [job.input, Some(job.preset_path), own_object(job).as_deref()].into_iter().flatten() {
-        guard_report(job, path)?;
-    }
-    for path in mask_files(&preset.effects, preset_dir(job)) {
+    let source = job.source();
+    for path in source.files() {
         guard_report(job, &path)?;
     }
-    let subject = subject(job)?;
+    let subject = source.subject()?;
     let mut report = Report {
         points: subject.position_count(),
         frames: schedule.count(),
@@ -121,49 +133,32 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         warnings: subject.warnings(),
         ..Report::default()
     };
-    let masks = masks(&subject, &preset.effects, preset_dir(job), &job.limits)?.complete()?;
+    let masks = masks(&subject, &preset.effects, source.folder(), &job.limits)?.complete()?;
     let bounds = subject.bounds();
     let Subject { points, triangles, model, net, point_of, own } = subject;
     if let Some(clip) = job.clip {
         check_clip(&model, clip)?;
     }
-    for path in parts(&model, job.input.map(Path::to_path_buf).or_else(|| own_object(job))) {
+    for path in parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())) {
         guard_report(job, &path)?;
     }
     let evaluation = Evaluation::masked(&preset.effects, masks, &points, &triangles, bounds);
-    let evaluation = evaluation.map_err(unfit(own))?;
-    let surface = match (&net, &model) {
-        (Some(net), Model::Mesh { mesh, .. }) => {
-            let controlled = Controlled { surface: net.surface()?, controls: points.clone() };
-            Some((controlled, mesh.positions.clone()))
-        }
-        _ => None,
-    };
-    let (net, surface) = surface.unzip();
-    let points = surface.as_deref().unwrap_or(&points);
-    let mut film = Film {
-        now: points.to_vec(),
-        points,
-        evaluation,
-        net,
-        schedule,
-        shade: Duration::ZERO,
-        write: Duration::ZERO,
-        own,
-        progress,
-    };
+    let mut motion = Motion::new(evaluation.map_err(unfit(own))?, &points, own);
+    let surface = if net.is_some() { model.mesh_positions() } else { Vec::new() };
+    if let Some(net) = &net {
+        motion = motion.controlling(net, &surface)?;
+    }
+    let mut film = Film { motion, schedule, shade: Duration::ZERO, write: Duration::ZERO, progress };
     let product = match (target, model) {
         (Target::Gltf(format), model) => film.gltf(job, format, Scene::new(model, point_of, &job.limits)?)?,
         (Target::Obj, model) => film.obj(None, model, point_of, job.output)?,
         (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, None)?,
     };
     report.warnings.extend(product.warnings);
-    let file = preset_file(job);
-    let of_effects = film.evaluation.warnings().into_iter().chain(film.evaluation.idle_warnings());
-    report.warnings.extend(of_effects.map(|warning| format!("{file}{warning}")));
+    report.warnings.extend(source.effect_warnings(&film.motion.evaluation));
     report.clip = product.clip;
     if job.strict && !report.warnings.is_empty() {
-        return Err(ApplyError::Strict(report.warnings));
+        return Err(JobError::Strict(report.warnings));
     }
     let write = Instant::now();
     for file in product.files.iter().filter(|_| job.output.is_some()) {
@@ -171,13 +166,13 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     }
     if !job.dry_run {
         for file in product.files.iter().filter(|file| file.replace) {
-            guard(job, &file.path)?;
+            source.guard(&file.path, job.in_place)?;
         }
         write_files(&product.files)?;
     }
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
-    let spent = film.evaluation.spent();
-    report.wires = film.evaluation.wire_count();
+    let spent = film.motion.evaluation.spent();
+    report.wires = film.motion.evaluation.wire_count();
     report.bind_ms = ms(spent.bind);
     report.deform_ms = ms(spent.deform);
     report.normals_ms = ms(film.shade);
@@ -188,8 +183,8 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
 }
 
 /// What to write; refuses what cannot be before any work is done.
-fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, ApplyError> {
-    let request = |message: &str| Err(ApplyError::Request(message.to_owned()));
+fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, JobError> {
+    let request = |message: &str| Err(JobError::Request(message.to_owned()));
     let Some(path) = job.output else {
         return if job.dry_run {
             Ok(Target::Gltf(wirework_asset::Format::Glb))
@@ -197,11 +192,11 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, ApplyError> {
             request("there is no output: give one, or do a dry run")
         };
     };
-    guard(job, path)?;
+    job.source().guard(path, job.in_place)?;
     guard_report(job, path)?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !job.dry_run && !folder.is_dir()) {
-        return Err(ApplyError::NoFolder(folder.to_path_buf()));
+        return Err(JobError::NoFolder(folder.to_path_buf()));
     }
     let name = wirework_asset::printable(&path.display().to_string());
     let Some(target) = Target::of(path) else {
@@ -226,44 +221,15 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, ApplyError> {
     }
 }
 
-/// Refuses to write over what is read.
-fn guard(job: &Job<'_>, path: &Path) -> Result<(), ApplyError> {
-    let refuse = |what: &str| {
-        let name = wirework_asset::printable(&path.display().to_string());
-        Err(ApplyError::Request(format!("{name}: the output is {what}")))
-    };
-    if job.input.is_some_and(|input| same_file(input, path)) && !job.in_place {
-        return refuse("the input; `--in-place` allows that");
-    }
-    if same_file(job.preset_path, path) {
-        return refuse("the preset");
-    }
-    if mask_files(&job.preset.effects, preset_dir(job)).iter().any(|image| same_file(image, path)) {
-        return refuse("an image that the preset reads");
-    }
-    if own_object(job).is_some_and(|object| same_file(&object, path)) && !job.in_place {
-        return refuse("the preset's object; `--in-place` allows that");
-    }
-    Ok(())
-}
-
 /// Refuses a report in the place of a file that is read or written.
-fn guard_report(job: &Job<'_>, path: &Path) -> Result<(), ApplyError> {
+fn guard_report(job: &Job<'_>, path: &Path) -> Result<(), JobError> {
     match job.report {
         Some(report) if same_place(report, path) => {
             let name = wirework_asset::printable(&report.display().to_string());
-            Err(ApplyError::Request(format!("{name}: the report needs a file of its own")))
+            Err(JobError::Request(format!("{name}: the report needs a file of its own")))
         }
         _ => Ok(()),
     }
-}
-
-/// The files that a glTF document refers to.
-fn parts(model: &Model, document: Option<PathBuf>) -> Vec<PathBuf> {
-    let (Model::Gltf { gltf, .. }, Some(document)) = (model, document) else { return Vec::new() };
-    let lists = ["buffers", "images"].into_iter().filter_map(|key| gltf.json().get(key)?.as_array());
-    let uris = lists.flatten().filter_map(|entry| entry.get("uri")?.as_str());
-    uris.filter(|uri| !uri.starts_with("data:")).map(|uri| document.with_file_name(uri)).collect()
 }
 
 /// Whether two paths are of one file, be it there or not yet.
@@ -273,30 +239,4 @@ fn same_place(a: &Path, b: &Path) -> bool {
         Some(folder.canonicalize().ok()?.join(path.file_name()?))
     };
     a == b || same_file(a, b) || place(a).is_some_and(|a| place(b) == Some(a))
-}
-
-/// The file that the preset names as its object, where no input takes its place.
-fn own_object(job: &Job<'_>) -> Option<PathBuf> {
-    let object = job.preset.object.as_ref().filter(|_| job.input.is_none())?;
-    object.file(preset_dir(job))
-}
-
-/// What stands before a warning about the preset; nothing where it is no file.
-fn preset_file(job: &Job<'_>) -> String {
-    let file = Some(job.preset_path).filter(|path| path.is_file());
-    file.map_or_else(String::new, |path| {
-        format!("{}: ", wirework_asset::printable(&path.display().to_string()))
-    })
-}
-
-/// The folder that names of files in the preset are relative to.
-fn preset_dir<'a>(job: &Job<'a>) -> &'a Path {
-    job.preset_path.parent().unwrap_or(Path::new(""))
-}
-
-fn subject(job: &Job<'_>) -> Result<Subject, ApplyError> {
-    if let Some(input) = job.input {
-        return Subject::read(input, &job.limits);
-    }
-    Subject::from_preset(job.preset, job.preset_path, &job.limits)?.ok_or(ApplyError::NoObject)
 }

@@ -31,7 +31,7 @@ pub enum Fault {
 /// Why an effect was not applied. Nothing has been written then.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum ApplyError {
+pub enum JobError {
     /// An asset cannot be read or written.
     #[error(transparent)]
     Asset(#[from] AssetError),
@@ -93,7 +93,7 @@ pub enum ApplyError {
     Threads(usize, String),
 }
 
-impl ApplyError {
+impl JobError {
     /// Whose fault it is.
     pub fn fault(&self) -> Fault {
         match self {

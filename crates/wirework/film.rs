@@ -6,14 +6,14 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use wirework_asset::{Clip, Format, Gltf, Obj, OutputFile, write_obj};
 use wirework_bake::{Baker, Settings};
-use wirework_preset::ObjectError;
-use wirework_surface::{Mesh, Tessellation};
+use wirework_surface::Mesh;
 
 use crate::error::count;
+use crate::motion::Motion;
 use crate::output::{Pattern, Scene, scene_mesh};
 use crate::shade::{Vertices, own_normals};
-use crate::subject::{Model, unfit};
-use crate::{ApplyError, Evaluation, Job, NewClip, Progress, Schedule};
+use crate::subject::Model;
+use crate::{Job, JobError, NewClip, Progress, Schedule};
 
 /// What came out.
 #[derive(Default)]
@@ -26,52 +26,26 @@ pub(crate) struct Product {
 
 /// An effect on its way through time.
 pub(crate) struct Film<'a> {
-    /// What the model's positions are places of, at rest: the effect's points, or those of the surface that they control.
-    pub(crate) points: &'a [[f32; 3]],
-    pub(crate) now: Vec<[f32; 3]>,
-    pub(crate) evaluation: Evaluation<'a>,
-    pub(crate) net: Option<Controlled<'a>>,
+    pub(crate) motion: Motion<'a>,
     pub(crate) schedule: Schedule,
     pub(crate) shade: Duration,
     pub(crate) write: Duration,
-    /// Whether the object is made of numbers in the preset.
-    pub(crate) own: bool,
     pub(crate) progress: &'a mut (dyn FnMut(Progress) + Send),
 }
 
-/// A surface whose control points the effect moves.
-pub(crate) struct Controlled<'a> {
-    pub(crate) surface: Tessellation<'a>,
-    /// The control points where they are now.
-    pub(crate) controls: Vec<[f32; 3]>,
-}
-
 impl Film<'_> {
-    /// Works out where the points are at a moment.
-    fn at(&mut self, seconds: f64) -> Result<(), ApplyError> {
-        let moved = self.net.as_mut().map_or(&mut self.now, |net| &mut net.controls);
-        self.evaluation.at(seconds, moved).map_err(unfit(self.own))?;
-        if let Some(point) = moved.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
-            return Err(ApplyError::OutOfRange { point, seconds });
-        }
-        if let Some(Controlled { surface, controls }) = &self.net {
-            surface.positions_into(controls, &mut self.now).map_err(ObjectError::from)?;
-        }
-        Ok(())
-    }
-
     /// Works out every moment, lets `vertices` follow, and hands each to `take`: frame, time and vertices.
     fn play(
         &mut self,
         vertices: &mut [Vertices],
-        mut take: impl FnMut(u32, f64, &[Vertices]) -> Result<(), ApplyError>,
-    ) -> Result<(), ApplyError> {
+        mut take: impl FnMut(u32, f64, &[Vertices]) -> Result<(), JobError>,
+    ) -> Result<(), JobError> {
         let frames = self.schedule.count();
         for (done, (frame, seconds)) in self.schedule.moments().enumerate() {
-            self.at(seconds)?;
+            self.motion.at(seconds)?;
             let start = Instant::now();
             for list in vertices.iter_mut() {
-                list.place(self.points, &self.now);
+                list.place(self.motion.points, &self.motion.now);
                 list.shade()?;
             }
             let shaded = Instant::now();
@@ -83,12 +57,7 @@ impl Film<'_> {
         Ok(())
     }
 
-    pub(crate) fn gltf(
-        &mut self,
-        job: &Job<'_>,
-        format: Format,
-        scene: Scene,
-    ) -> Result<Product, ApplyError> {
+    pub(crate) fn gltf(&mut self, job: &Job<'_>, format: Format, scene: Scene) -> Result<Product, JobError> {
         let Scene { mut gltf, rest, point_of } = scene;
         let known = gltf.warnings().len();
         let clips = gltf.clip_names().len();
@@ -133,7 +102,7 @@ impl Film<'_> {
         model: Model,
         point_of: Vec<u32>,
         output: Option<&Path>,
-    ) -> Result<Product, ApplyError> {
+    ) -> Result<Product, JobError> {
         let mut files = Vec::new();
         let mut keep = |frame, bytes| {
             let path = pattern.map(|pattern| pattern.file(frame));
@@ -193,7 +162,7 @@ fn obj_text(obj: Option<&Obj>, mesh: &Mesh) -> Vec<u8> {
 }
 
 /// Whether the clip that is asked for is there, whatever is written.
-pub(crate) fn check_clip(model: &Model, wanted: &str) -> Result<(), ApplyError> {
+pub(crate) fn check_clip(model: &Model, wanted: &str) -> Result<(), JobError> {
     let names = match model {
         Model::Gltf { gltf, .. } => gltf.clip_names(),
         Model::Mesh { .. } => Vec::new(),
@@ -202,11 +171,11 @@ pub(crate) fn check_clip(model: &Model, wanted: &str) -> Result<(), ApplyError> 
 }
 
 /// The clip of a name, or else of a number.
-fn find_clip(gltf: &Gltf, wanted: &str) -> Result<usize, ApplyError> {
+fn find_clip(gltf: &Gltf, wanted: &str) -> Result<usize, JobError> {
     clip_of(&gltf.clip_names(), wanted)
 }
 
-fn clip_of(names: &[Option<&str>], wanted: &str) -> Result<usize, ApplyError> {
+fn clip_of(names: &[Option<&str>], wanted: &str) -> Result<usize, JobError> {
     let by_number = || wanted.parse().ok().filter(|&index: &usize| index < names.len());
     names.iter().position(|name| *name == Some(wanted)).or_else(by_number).ok_or_else(|| {
         let known: Vec<String> = names
@@ -218,6 +187,6 @@ fn clip_of(names: &[Option<&str>], wanted: &str) -> Result<usize, ApplyError> {
             [] => "the input has no clips".to_owned(),
             known => format!("the input has {}: {}", count(known.len(), "clip"), known.join(", ")),
         };
-        ApplyError::Request(format!("there is no clip {wanted:?}; {there}"))
+        JobError::Request(format!("there is no clip {wanted:?}; {there}"))
     })
 }

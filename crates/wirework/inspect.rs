@@ -14,7 +14,7 @@ use wirework_preset::{Action, Effect, Mask, Object, Only, Parsed, PatchDeform, S
 use wirework_surface::Bounds;
 use wirework_wrinkle::Pattern;
 
-use crate::ApplyError;
+use crate::JobError;
 use crate::subject::{Model, Subject};
 
 pub use parts::{NodeFacts, PartFacts};
@@ -111,7 +111,7 @@ pub struct AnimationFacts {
 /// # Errors
 ///
 /// As [`Subject::read`].
-pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, ApplyError> {
+pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, JobError> {
     let subject = Subject::read(path, limits)?;
     let mut warnings = subject.warnings();
     let mut facts = match &subject.model {

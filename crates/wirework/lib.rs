@@ -104,6 +104,7 @@ mod evaluate;
 mod film;
 mod inspect;
 mod mask;
+mod motion;
 mod net;
 mod output;
 mod preset_file;
@@ -111,6 +112,7 @@ mod reach;
 mod report;
 mod schedule;
 mod shade;
+mod source;
 mod stage;
 mod subject;
 mod weld;
@@ -127,7 +129,7 @@ pub use wirework_preset::parse;
 pub use wirework_surface::Mesh;
 
 pub use apply::{Job, Progress, apply};
-pub use error::{ApplyError, Fault};
+pub use error::{Fault, JobError};
 pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{
     AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts, PresetFacts,

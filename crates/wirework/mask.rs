@@ -16,7 +16,7 @@ use std::sync::Arc;
 use wirework_asset::{AssetError, Limits, printable};
 use wirework_preset::{Action, Effect, Mask, Only, PresetError, PresetErrorKind};
 
-use crate::{ApplyError, Model, Subject};
+use crate::{JobError, Model, Subject};
 
 /// A factor for each point.
 type Factors = Arc<[f32]>;
@@ -30,11 +30,11 @@ enum Lack {
     /// The object lacks what the preset asks for: names, colours, texture coordinates.
     Missing(Vec<PresetError>),
     /// Whatever else is wrong.
-    Other(ApplyError),
+    Other(JobError),
 }
 
-impl From<ApplyError> for Lack {
-    fn from(error: ApplyError) -> Self {
+impl From<JobError> for Lack {
+    fn from(error: JobError) -> Self {
         Self::Other(error)
     }
 }
@@ -67,7 +67,7 @@ pub(crate) struct Masks {
 
 impl Masks {
     /// The masks, if nothing is missing.
-    pub(crate) fn complete(mut self) -> Result<Self, ApplyError> {
+    pub(crate) fn complete(mut self) -> Result<Self, JobError> {
         if self.missing.is_empty() { Ok(self) } else { Err(refused(self.missing.swap_remove(0))) }
     }
 }
@@ -122,8 +122,8 @@ pub(crate) fn mask_files(effects: &[Effect], preset_dir: &Path) -> Vec<PathBuf> 
 ///
 /// # Errors
 ///
-/// [`ApplyError::Preset`]: one that is not there, or cannot be read or used.
-pub fn check_images(effects: &[Effect], preset_dir: &Path, limits: &Limits) -> Result<(), ApplyError> {
+/// [`JobError::Preset`]: one that is not there, or cannot be read or used.
+pub fn check_images(effects: &[Effect], preset_dir: &Path, limits: &Limits) -> Result<(), JobError> {
     painted(effects).try_for_each(|mask| paint::check(mask, preset_dir, limits))
 }
 
@@ -131,13 +131,13 @@ pub fn check_images(effects: &[Effect], preset_dir: &Path, limits: &Limits) -> R
 ///
 /// # Errors
 ///
-/// [`ApplyError::Preset`]: an image that cannot be read; [`ApplyError::Asset`]: malformed colours or indices.
+/// [`JobError::Preset`]: an image that cannot be read; [`JobError::Asset`]: malformed colours or indices.
 pub(crate) fn masks(
     subject: &Subject,
     effects: &[Effect],
     preset_dir: &Path,
     limits: &Limits,
-) -> Result<Masks, ApplyError> {
+) -> Result<Masks, JobError> {
     let mut maker = Maker {
         subject,
         preset_dir,
@@ -166,7 +166,7 @@ struct Maker<'a> {
 }
 
 impl<'a> Maker<'a> {
-    fn effect(&mut self, effect: &'a Effect) -> Result<EffectMasks, ApplyError> {
+    fn effect(&mut self, effect: &'a Effect) -> Result<EffectMasks, JobError> {
         let only = effect.only.as_ref().map_or(Ok(None), |only| self.only(only))?;
         let paint = effect.mask.as_ref().map_or(Ok(None), |mask| self.paint(mask))?;
         let all = self.product(only, paint)?;
@@ -194,7 +194,7 @@ impl<'a> Maker<'a> {
         Ok(EffectMasks { all, wires })
     }
 
-    fn only(&mut self, only: &'a Only) -> Result<Option<Factors>, ApplyError> {
+    fn only(&mut self, only: &'a Only) -> Result<Option<Factors>, JobError> {
         if let Some((_, known)) = self.onlys.iter().find(|(other, _)| *other == only) {
             return Ok(known.clone());
         }
@@ -207,7 +207,7 @@ impl<'a> Maker<'a> {
         Ok(factors)
     }
 
-    fn paint(&mut self, mask: &'a Mask) -> Result<Option<Factors>, ApplyError> {
+    fn paint(&mut self, mask: &'a Mask) -> Result<Option<Factors>, JobError> {
         if let Some((_, known)) = self.paints.iter().find(|(other, _)| *other == mask) {
             return Ok(known.clone());
         }
@@ -217,7 +217,7 @@ impl<'a> Maker<'a> {
         Ok(factors)
     }
 
-    fn product(&mut self, a: Option<Factors>, b: Option<Factors>) -> Result<Option<Factors>, ApplyError> {
+    fn product(&mut self, a: Option<Factors>, b: Option<Factors>) -> Result<Option<Factors>, JobError> {
         match (a, b) {
             (Some(a), Some(b)) => self.keep(a.iter().zip(b.iter()).map(|(a, b)| a * b).collect()),
             (a, b) => Ok(a.or(b)),
@@ -225,7 +225,7 @@ impl<'a> Maker<'a> {
     }
 
     /// The factors, or a note of what is missing for them.
-    fn take(&mut self, factors: Result<Vec<f32>, Lack>) -> Result<Option<Factors>, ApplyError> {
+    fn take(&mut self, factors: Result<Vec<f32>, Lack>) -> Result<Option<Factors>, JobError> {
         match factors {
             Ok(factors) => self.keep(factors),
             Err(Lack::Other(error)) => Err(error),
@@ -245,7 +245,7 @@ impl<'a> Maker<'a> {
     }
 
     /// The factors, unless all are 1. All lists together must keep within the limit on expanded bytes.
-    fn keep(&mut self, factors: Vec<f32>) -> Result<Option<Factors>, ApplyError> {
+    fn keep(&mut self, factors: Vec<f32>) -> Result<Option<Factors>, JobError> {
         if factors.iter().all(|&factor| factor == 1.0) {
             return Ok(None);
         }
@@ -262,8 +262,8 @@ impl<'a> Maker<'a> {
     }
 }
 
-fn refused(error: PresetError) -> ApplyError {
-    ApplyError::Preset(Box::new(error))
+fn refused(error: PresetError) -> JobError {
+    JobError::Preset(Box::new(error))
 }
 
 /// An error about the masks as a whole.

@@ -3,7 +3,7 @@
 use wirework_preset::{Object, ObjectError, PatchDeform, Shape};
 use wirework_surface::{Mesh, Patch, Tessellation};
 
-use crate::ApplyError;
+use crate::JobError;
 
 /// A patch whose control points are deformed, and whose surface is evaluated from them.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,12 +29,12 @@ impl ControlNet {
 
     /// The surface for any control points, into a buffer as long as its vertices are many. A vertex whose control points are
     /// those at rest has the bits it has at rest.
-    pub fn evaluate_into(&self, controls: &[[f32; 3]], out: &mut [[f32; 3]]) -> Result<(), ApplyError> {
+    pub fn evaluate_into(&self, controls: &[[f32; 3]], out: &mut [[f32; 3]]) -> Result<(), JobError> {
         Ok(self.surface()?.positions_into(controls, out).map_err(ObjectError::from)?)
     }
 
     /// The surface, to be evaluated often.
-    pub(crate) fn surface(&self) -> Result<Tessellation<'_>, ApplyError> {
+    pub(crate) fn surface(&self) -> Result<Tessellation<'_>, JobError> {
         Ok(self.patch.tessellation(self.tessellation).map_err(ObjectError::from)?)
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use wirework_asset::{Format, Gltf, Limits, NewMesh, Rest};
 use wirework_surface::{Mesh, VertexMesh};
 
-use crate::ApplyError;
+use crate::JobError;
 use crate::subject::Model;
 
 /// This many `#` in a row stand for the number of a frame.
@@ -75,7 +75,7 @@ pub(crate) struct Scene {
 
 impl Scene {
     /// The scene of a model; a mesh gets a document of its own.
-    pub(crate) fn new(model: Model, point_of: Vec<u32>, limits: &Limits) -> Result<Self, ApplyError> {
+    pub(crate) fn new(model: Model, point_of: Vec<u32>, limits: &Limits) -> Result<Self, JobError> {
         let (name, mesh) = match model {
             Model::Gltf { gltf, rest } => return Ok(Self { gltf: *gltf, rest: *rest, point_of }),
             Model::Mesh { name, mesh, .. } => (name, mesh),

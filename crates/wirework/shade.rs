@@ -139,7 +139,7 @@ pub(crate) enum MeshOrNormals {
     Normals(#[from] NormalsError),
 }
 
-impl From<MeshOrNormals> for crate::ApplyError {
+impl From<MeshOrNormals> for crate::JobError {
     fn from(error: MeshOrNormals) -> Self {
         match error {
             MeshOrNormals::Mesh(error) => error.into(),

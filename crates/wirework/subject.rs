@@ -10,7 +10,7 @@ use wirework_surface::{Bounds, Mesh, Transform};
 
 use crate::mask::{Masks, masks};
 use crate::weld::Weld;
-use crate::{ApplyError, ControlNet, EvaluateError, Evaluation};
+use crate::{ControlNet, EvaluateError, Evaluation, JobError};
 
 /// An object ready for an effect.
 #[derive(Clone, Debug)]
@@ -59,6 +59,16 @@ pub enum FileKind {
     Obj,
 }
 
+impl Model {
+    /// The positions of a mesh; none of a scene.
+    pub(crate) fn mesh_positions(&self) -> Vec<[f32; 3]> {
+        match self {
+            Self::Mesh { mesh, .. } => mesh.positions.clone(),
+            Self::Gltf { .. } => Vec::new(),
+        }
+    }
+}
+
 impl FileKind {
     /// What a file is: by its extension, or else by its first bytes. None where neither says.
     pub fn of(path: &Path) -> Option<Self> {
@@ -80,7 +90,7 @@ impl Subject {
     /// # Errors
     ///
     /// The file cannot be read, is malformed or larger than `limits`, or is of no known kind.
-    pub fn read(path: &Path, limits: &Limits) -> Result<Self, ApplyError> {
+    pub fn read(path: &Path, limits: &Limits) -> Result<Self, JobError> {
         match FileKind::of(path) {
             Some(FileKind::Obj) => {
                 let obj = Obj::read(path, limits)?;
@@ -90,7 +100,7 @@ impl Subject {
             // Reading it says what is wrong with it where it is missing.
             None => match Gltf::read(path, limits) {
                 Err(error) if !path.is_file() => Err(error.into()),
-                _ => Err(ApplyError::UnknownFile { path: path.to_path_buf() }),
+                _ => Err(JobError::UnknownFile { path: path.to_path_buf() }),
             },
         }
     }
@@ -104,7 +114,7 @@ impl Subject {
         preset: &Preset,
         preset_path: &Path,
         limits: &Limits,
-    ) -> Result<Option<Self>, ApplyError> {
+    ) -> Result<Option<Self>, JobError> {
         let folder = preset_path.parent().unwrap_or(Path::new(""));
         let object = preset.object.as_ref();
         object.map(|object| Self::from_object(object, folder, &stem(preset_path), limits)).transpose()
@@ -120,7 +130,7 @@ impl Subject {
         preset_dir: &Path,
         name: &str,
         limits: &Limits,
-    ) -> Result<Self, ApplyError> {
+    ) -> Result<Self, JobError> {
         let Some(path) = object.file(preset_dir) else {
             let size = object.shape.size();
             limits.check_mesh(size.vertices, size.indices)?;
@@ -140,10 +150,7 @@ impl Subject {
         }
         match subject.model {
             Model::Mesh { name, mut mesh, obj } => {
-                object
-                    .transform
-                    .apply_to_mesh(&mut mesh)
-                    .map_err(|error| ApplyError::Object(error.into()))?;
+                object.transform.apply_to_mesh(&mut mesh).map_err(|error| JobError::Object(error.into()))?;
                 Self::new(Model::Mesh { name, mesh, obj })
             }
             Model::Gltf { mut gltf, .. } => {
@@ -158,12 +165,12 @@ impl Subject {
     /// # Errors
     ///
     /// The mesh is not consistent.
-    pub fn from_mesh(name: &str, mesh: Mesh) -> Result<Self, ApplyError> {
+    pub fn from_mesh(name: &str, mesh: Mesh) -> Result<Self, JobError> {
         Self::new(Model::Mesh { name: name.to_owned(), mesh, obj: None })
     }
 
     /// An OBJ file that has been read.
-    fn from_obj(name: String, obj: Obj) -> Result<Self, ApplyError> {
+    fn from_obj(name: String, obj: Obj) -> Result<Self, JobError> {
         Self::new(Model::Mesh { name, mesh: obj.mesh.clone(), obj: Some(Box::new(obj)) })
     }
 
@@ -180,7 +187,7 @@ impl Subject {
         Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, own: false })
     }
 
-    fn new(model: Model) -> Result<Self, ApplyError> {
+    fn new(model: Model) -> Result<Self, JobError> {
         let Model::Mesh { mesh, obj, .. } = &model else {
             return Ok(Self {
                 points: Vec::new(),
@@ -208,7 +215,7 @@ impl Subject {
         preset: &Preset,
         preset_dir: &Path,
         limits: &Limits,
-    ) -> Result<Evaluation<'a>, ApplyError> {
+    ) -> Result<Evaluation<'a>, JobError> {
         let masks = masks(self, &preset.effects, preset_dir, limits)?.complete()?;
         self.bind_masked(preset, masks)
     }
@@ -224,13 +231,13 @@ impl Subject {
         preset: &Preset,
         preset_dir: &Path,
         limits: &Limits,
-    ) -> Result<(Evaluation<'a>, Vec<PresetError>), ApplyError> {
+    ) -> Result<(Evaluation<'a>, Vec<PresetError>), JobError> {
         let mut masks = masks(self, &preset.effects, preset_dir, limits)?;
         let missing = std::mem::take(&mut masks.missing);
         Ok((self.bind_masked(preset, masks)?, missing))
     }
 
-    fn bind_masked(&self, preset: &Preset, masks: Masks) -> Result<Evaluation<'_>, ApplyError> {
+    fn bind_masked(&self, preset: &Preset, masks: Masks) -> Result<Evaluation<'_>, JobError> {
         Evaluation::masked(&preset.effects, masks, &self.points, &self.triangles, self.bounds())
             .map_err(unfit(self.own))
     }
@@ -266,8 +273,8 @@ impl Subject {
 }
 
 /// Whose fault it is that an effect does not fit an object: the preset's, where it brings the object along.
-pub(crate) fn unfit(own: bool) -> impl Fn(EvaluateError) -> ApplyError {
-    move |error| if own { ApplyError::OwnObject(error) } else { ApplyError::Evaluate(error) }
+pub(crate) fn unfit(own: bool) -> impl Fn(EvaluateError) -> JobError {
+    move |error| if own { JobError::OwnObject(error) } else { JobError::Evaluate(error) }
 }
 
 /// The name of a file without folder and extension.

@@ -160,6 +160,19 @@ impl Curve {
         ArcLength::new(&Spans::new(self)).total() as f32
     }
 
+    /// Points at equal steps of `u`, `per_segment` (at least 1) to each segment, both ends included: a drawing of the curve
+    /// that has all its corners. A closed curve ends with its first point; a single control point is one point.
+    pub fn sampled(&self, per_segment: usize) -> Vec<[f32; 3]> {
+        let spans = Spans::new(self);
+        let per_segment = per_segment.max(1);
+        let Some(last) = spans.cubics.last() else {
+            return self.points.first().copied().into_iter().collect();
+        };
+        let steps = (0..per_segment).map(|i| i as f64 / per_segment as f64);
+        let inner = spans.cubics.iter().flat_map(|cubic| steps.clone().map(|t| to_array(cubic.at(t))));
+        inner.chain([to_array(last.at(1.0))]).collect()
+    }
+
     /// `count` points at equal steps of arc length, both ends included; on a closed curve without the last.
     pub fn spread(&self, count: usize) -> Vec<[f32; 3]> {
         let spans = Spans::new(self);

@@ -10,7 +10,7 @@ use wirework_surface::Mesh;
 use super::plane::Plane;
 use super::{Lack, refused};
 use crate::error::count;
-use crate::{ApplyError, Model, Subject};
+use crate::{JobError, Model, Subject};
 
 /// The factor of each point: the mean of its vertices, 1 where none of them has a colour or a texture coordinate.
 ///
@@ -55,7 +55,7 @@ pub(super) fn factors(
 }
 
 /// Whether the image of a mask can be read, whatever object it is for.
-pub(super) fn check(mask: &Mask, preset_dir: &Path, limits: &Limits) -> Result<(), ApplyError> {
+pub(super) fn check(mask: &Mask, preset_dir: &Path, limits: &Limits) -> Result<(), JobError> {
     let Mask::Image { file, channel } = mask else { return Ok(()) };
     let plane = Plane::read(&preset_dir.join(&file.name), *channel, limits);
     plane.map(drop).map_err(|refusal| refused(unusable(file, &refusal.message, refusal.limit)))
@@ -85,7 +85,7 @@ impl Means {
     }
 
     /// Adds the colours of all vertices; false where there are none.
-    fn colors(&mut self, subject: &Subject, channel: Channel) -> Result<bool, ApplyError> {
+    fn colors(&mut self, subject: &Subject, channel: Channel) -> Result<bool, JobError> {
         let channel = channel as usize;
         let mut any = false;
         match &subject.model {

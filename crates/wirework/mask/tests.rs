@@ -9,7 +9,7 @@ use wirework_asset::{Gltf, Limits};
 use wirework_preset::{Preset, PresetError, PresetErrorKind, parse};
 
 use super::{Masks, mask_files, masks};
-use crate::{ApplyError, Subject};
+use crate::{JobError, Subject};
 
 #[path = "../../asset/tests/make/mod.rs"]
 #[expect(dead_code, reason = "the tests of the asset crate use more of it")]
@@ -40,7 +40,7 @@ fn obj(text: &str) -> Subject {
     Subject::read(&path, &Limits::default()).unwrap()
 }
 
-fn try_all(subject: &Subject, preset: &Preset, folder: &Path) -> Result<Masks, ApplyError> {
+fn try_all(subject: &Subject, preset: &Preset, folder: &Path) -> Result<Masks, JobError> {
     masks(subject, &preset.effects, folder, &Limits::default())?.complete()
 }
 
@@ -58,7 +58,7 @@ fn only(subject: &Subject, names: &str) -> (Vec<f32>, Vec<String>) {
 #[track_caller]
 fn refused(subject: &Subject, preset: &Preset, folder: &Path) -> PresetError {
     match try_all(subject, preset, folder) {
-        Err(ApplyError::Preset(error)) => *error,
+        Err(JobError::Preset(error)) => *error,
         other => panic!("{other:?}"),
     }
 }
@@ -301,7 +301,7 @@ fn colours_are_averaged_over_a_place() {
     let broken = doc.floats("VEC3", &[f32::NAN; 9]);
     doc.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(broken);
     let subject = gltf(&doc);
-    assert!(matches!(try_all(&subject, &preset("R"), Path::new("")), Err(ApplyError::Asset(_))));
+    assert!(matches!(try_all(&subject, &preset("R"), Path::new("")), Err(JobError::Asset(_))));
     assert_eq!(
         only(&subject, "Nodes([\"left\"])").0[2],
         1.0,
@@ -456,7 +456,7 @@ fn images_that_cannot_be_used_are_refused_at_their_place() {
     let good = deform("mask: Image(\"mask.png\"),", "");
     assert_eq!(mask_files(&good.effects, folder.path()), [folder.path().join("mask.png")]);
     let tight = Limits { file_bytes: 20, ..Limits::default() };
-    let Err(ApplyError::Preset(error)) = masks(&subject, &good.effects, folder.path(), &tight) else {
+    let Err(JobError::Preset(error)) = masks(&subject, &good.effects, folder.path(), &tight) else {
         panic!()
     };
     assert!(error.kind == PresetErrorKind::Limit && error.message.contains("--max-file-bytes"), "{error}");
@@ -481,7 +481,7 @@ fn more_masks_than_memory_is_given_for_are_refused() {
     let limits = |bytes| Limits { expanded_bytes: bytes, ..Limits::default() };
     assert!(masks(&subject, &preset.effects, Path::new(""), &limits(48)).is_ok());
     let error = masks(&subject, &preset.effects, Path::new(""), &limits(47)).unwrap_err();
-    assert!(matches!(error, ApplyError::Preset(error) if error.kind == PresetErrorKind::Limit));
+    assert!(matches!(error, JobError::Preset(error) if error.kind == PresetErrorKind::Limit));
 }
 
 #[test]
