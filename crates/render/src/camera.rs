@@ -20,7 +20,7 @@ pub struct Camera {
 }
 
 /// From which side a camera looks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum View {
     /// From +Z.
     Front,
@@ -31,38 +31,141 @@ pub enum View {
     /// From the front, to the right and above.
     #[default]
     ThreeQuarter,
+    /// From anywhere.
+    Around {
+        /// Degrees from +Z towards +X: 0 is the front, 90 the right, 180 the back. Any finite number.
+        azimuth: f32,
+        /// Degrees over the horizon, −90 (from straight below) to 90 (from straight above). There the azimuth turns the
+        /// picture: what is at its lower edge faces the side that the azimuth names, seen from above.
+        elevation: f32,
+    },
 }
 
 impl View {
     /// Azimuth from +Z towards +X and elevation over the horizon, degrees.
-    fn angles(self) -> [f64; 2] {
-        match self {
+    fn angles(self) -> Result<[f64; 2], RenderError> {
+        let [azimuth, elevation] = match self {
             Self::Front => [0.0, 0.0],
             Self::Side => [90.0, 0.0],
             Self::Top => [0.0, 90.0],
             // Low enough for relief on level ground to be seen at a slant, high enough to see over the near edge.
             Self::ThreeQuarter => [32.0, 27.0],
+            Self::Around { azimuth, elevation } => [azimuth, elevation],
+        };
+        if !azimuth.is_finite() {
+            return Err(RenderError::Camera { what: "azimuth is not finite" });
         }
+        if !(-90.0..=90.0).contains(&elevation) {
+            return Err(RenderError::Camera { what: "elevation is not between -90 and 90 degrees" });
+        }
+        Ok([azimuth.into(), elevation.into()])
     }
 
     /// Right, up and back.
-    fn axes(self) -> [DVec3; 3] {
-        let [azimuth, elevation] = self.angles().map(f64::to_radians);
-        // The exact quarter turns, so that what is symmetric looks symmetric.
-        let turn = |angle: f64| match self {
-            Self::ThreeQuarter => angle.sin_cos(),
-            _ => (angle.sin().round(), angle.cos().round()),
-        };
-        let ((sa, ca), (se, ce)) = (turn(azimuth), turn(elevation));
+    fn axes(self) -> Result<[DVec3; 3], RenderError> {
+        let [(sa, ca), (se, ce)] = self.angles()?.map(turn);
         let (back, up) = (DVec3::new(sa * ce, se, ca * ce), DVec3::new(-sa * se, ce, -ca * se));
-        [up.cross(back), up, back]
+        Ok([up.cross(back), up, back])
     }
+}
+
+/// Sine and cosine of an angle in degrees, exact at quarter turns, so that what is symmetric looks symmetric.
+fn turn(degrees: f64) -> (f64, f64) {
+    let (sin, cos) = (degrees % 360.0).to_radians().sin_cos();
+    if degrees % 90.0 == 0.0 { (sin.round(), cos.round()) } else { (sin, cos) }
 }
 
 /// A long lens: little distortion, and still a sense of depth.
 const FOV_Y: f64 = 28.0;
 /// How much of each half side of the picture the framed box may take: the rest is air.
 const FILL: f64 = 0.82;
+
+/// Gathers what is to be in the picture: of an animation one moment after the other, and the camera can stay.
+#[derive(Clone, Debug)]
+pub struct Framing {
+    right: DVec3,
+    up: DVec3,
+    back: DVec3,
+    /// How much of the way to the picture's edge a point may go, across and up, at depth 1.
+    limits: [f64; 2],
+    /// How far points reach along the normals of the four planes of the pyramid of sight, and towards the camera.
+    across: [f64; 2],
+    along: [f64; 2],
+    front: f64,
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl Framing {
+    /// Nothing yet, for a picture of `size` pixels seen from `view`.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::Camera`] for a view round an angle out of range.
+    pub fn new(view: View, size: [u32; 2]) -> Result<Self, RenderError> {
+        let [right, up, back] = view.axes()?;
+        let half = (FOV_Y.to_radians() * 0.5).tan();
+        let aspect = f64::from(size[0].max(1)) / f64::from(size[1].max(1));
+        Ok(Self {
+            right,
+            up,
+            back,
+            limits: [half * aspect * FILL, half * FILL],
+            across: [f64::MIN; 2],
+            along: [f64::MIN; 2],
+            front: f64::MIN,
+            low: [f32::INFINITY; 3],
+            high: [f32::NEG_INFINITY; 3],
+        })
+    }
+
+    /// Adds points, metres. Those with a coordinate that is no number are left out.
+    pub fn add(&mut self, points: impl IntoIterator<Item = [f32; 3]>) {
+        let [tx, ty] = self.limits;
+        let ([mut right, mut left], [mut above, mut below]) = (self.across, self.along);
+        for point in points {
+            if point.iter().any(|c| c.is_nan()) {
+                continue;
+            }
+            let p = DVec3::from(point.map(f64::from));
+            let (x, y, z) = (p.dot(self.right), p.dot(self.up), p.dot(self.back));
+            (right, left) = (right.max(x + tx * z), left.max(tx * z - x));
+            (above, below) = (above.max(y + ty * z), below.max(ty * z - y));
+            self.front = self.front.max(z);
+            for (axis, c) in point.into_iter().enumerate() {
+                (self.low[axis], self.high[axis]) = (self.low[axis].min(c), self.high[axis].max(c));
+            }
+        }
+        (self.across, self.along) = ([right, left], [above, below]);
+    }
+
+    /// A camera that has all points in its picture, as large as they go with some air round them.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::Bounds`] if there were no points, all in one place, or some infinite.
+    pub fn camera(&self) -> Result<Camera, RenderError> {
+        let nothing = RenderError::Bounds { min: self.low, max: self.high };
+        let [low, high] = [self.low, self.high].map(|v| DVec3::from(v.map(f64::from)));
+        if !(low.is_finite() && high.is_finite()) || low == high {
+            return Err(nothing);
+        }
+        let ([tx, ty], [right, left], [above, below]) = (self.limits, self.across, self.along);
+        let middle = ((low + high) * 0.5).dot(self.back);
+        // A rod seen from its end: do not stand in it.
+        let clear = self.front + (high - low).length() * 0.5;
+        let depth = ((right + left) / (2.0 * tx)).max((above + below) / (2.0 * ty)).max(clear);
+        let centre = self.right * ((right - left) * 0.5) + self.up * ((above - below) * 0.5);
+        let narrow = |v: DVec3| v.as_vec3().to_array();
+        let camera = Camera {
+            eye: narrow(centre + self.back * depth),
+            target: narrow(centre + self.back * middle),
+            up: narrow(self.up),
+            fov_y: FOV_Y.to_radians() as f32,
+        };
+        camera.pose().map(|_| camera).map_err(|_| nothing)
+    }
+}
 
 impl Camera {
     /// A camera that has the whole box in its picture of `size` pixels, as large as it goes with some air round it.
@@ -77,52 +180,37 @@ impl Camera {
         Self::framing_points((0..8).map(|i| [0, 1, 2].map(|axis| pick(i, axis))), view, size)
     }
 
-    /// A camera that has all points in its picture of `size` pixels: tighter than their box where the view is aslant. For an
-    /// animation, give the points of all moments. Points that are not finite count in no direction.
+    /// A camera that has all points in its picture of `size` pixels: tighter than their box where the view is aslant.
+    /// For an animation whose moments come one after the other there is [`Framing`].
     pub fn framing_points(
         points: impl IntoIterator<Item = [f32; 3]>,
         view: View,
         size: [u32; 2],
     ) -> Result<Self, RenderError> {
-        let [right, up, back] = view.axes();
-        let half = (FOV_Y.to_radians() * 0.5).tan();
-        let aspect = f64::from(size[0].max(1)) / f64::from(size[1].max(1));
-        let (tx, ty) = (half * aspect * FILL, half * FILL);
-        // How far they reach along the normals of the four planes of the pyramid of sight, and towards the camera.
-        let (mut xs, mut ys, mut front) = ([f64::MIN; 2], [f64::MIN; 2], f64::MIN);
-        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-        for point in points {
-            if point.iter().any(|c| c.is_nan()) {
-                continue;
-            }
-            let p = DVec3::from(point.map(f64::from));
-            let (x, y, z) = (p.dot(right), p.dot(up), p.dot(back));
-            xs = [xs[0].max(x + tx * z), xs[1].max(tx * z - x)];
-            ys = [ys[0].max(y + ty * z), ys[1].max(ty * z - y)];
-            front = front.max(z);
-            for (axis, c) in point.into_iter().enumerate() {
-                (low[axis], high[axis]) = (low[axis].min(c), high[axis].max(c));
-            }
+        let mut framing = Framing::new(view, size)?;
+        framing.add(points);
+        framing.camera()
+    }
+
+    /// The camera with what it looks at `factor` times as large in the picture. Above 1 by a longer lens, since going
+    /// nearer would end inside the object; below 1 from further away, since a wider lens would distort it.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::Camera`] for a factor that is not a positive number, or so far from 1 that nothing would be seen.
+    pub fn zoomed(self, factor: f32) -> Result<Self, RenderError> {
+        if !(factor.is_finite() && factor > 0.0) {
+            return Err(RenderError::Camera { what: "zoom is not a positive number" });
         }
-        let nothing = RenderError::Bounds { min: low, max: high };
-        let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-        let (low, high) = (wide(low), wide(high));
-        if !(low.is_finite() && high.is_finite()) || low == high {
-            return Err(nothing);
+        let mut camera = self;
+        if factor > 1.0 {
+            let half = (f64::from(self.fov_y) * 0.5).tan() / f64::from(factor);
+            camera.fov_y = (2.0 * half.atan()) as f32;
+        } else {
+            let [eye, target] = [self.eye, self.target].map(|v| DVec3::from(v.map(f64::from)));
+            camera.eye = (target + (eye - target) / f64::from(factor)).as_vec3().to_array();
         }
-        let middle = ((low + high) * 0.5).dot(back);
-        // A rod seen from its end: do not stand in it.
-        let clear = front + (high - low).length() * 0.5;
-        let depth = ((xs[0] + xs[1]) / (2.0 * tx)).max((ys[0] + ys[1]) / (2.0 * ty)).max(clear);
-        let centre = right * ((xs[0] - xs[1]) * 0.5) + up * ((ys[0] - ys[1]) * 0.5);
-        let narrow = |v: DVec3| v.as_vec3().to_array();
-        let camera = Self {
-            eye: narrow(centre + back * depth),
-            target: narrow(centre + back * middle),
-            up: narrow(up),
-            fov_y: FOV_Y.to_radians() as f32,
-        };
-        camera.pose().map(|_| camera).map_err(|_| nothing)
+        camera.pose().map(|_| camera)
     }
 
     /// The eye, the rotation from the world to right, up and back, and the picture's height at the target.

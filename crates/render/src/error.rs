@@ -61,7 +61,7 @@ pub enum RenderError {
         owner: &'static str,
         /// Which one, from 0.
         number: usize,
-        /// `"position"`, `"texture coordinate"` or `"colour component"`.
+        /// `"position"`, `"texture coordinate"`, `"vertex colour"` or `"colour component"`.
         what: &'static str,
         /// Which one, from 0.
         index: usize,
@@ -81,7 +81,7 @@ pub enum RenderError {
     Count {
         /// The part, from 0.
         part: usize,
-        /// `"normals"` or `"texture coordinates"`.
+        /// `"normals"`, `"texture coordinates"` or `"colours"`.
         what: &'static str,
         /// How many.
         count: usize,

@@ -107,12 +107,15 @@ impl Stage<'_> {
     /// The base colour, linear.
     pub(crate) fn color(&self, hit: &Hit) -> Vec3 {
         let Some(part) = self.scene.parts.get(hit.owner as usize) else { return Vec3::ONE };
-        let color = Vec3::from(part.color);
-        let Some(texture) = &part.texture else { return color };
         let first = self.geometry.starts[hit.owner as usize][1];
-        let corners =
-            self.geometry.triangles[hit.triangle as usize].map(|v| part.uvs.get((v - first) as usize));
-        let [Some(&ua), Some(&ub), Some(&uc)] = corners else { return color };
+        let corners = self.geometry.triangles[hit.triangle as usize].map(|v| (v - first) as usize);
+        let mut color = Vec3::from(part.color);
+        if let [Some(&a), Some(&b), Some(&c)] = corners.map(|v| part.colors.get(v)) {
+            let [u, v, w] = hit.weights;
+            color *= Vec3::from(a) * u + Vec3::from(b) * v + Vec3::from(c) * w;
+        }
+        let Some(texture) = &part.texture else { return color };
+        let [Some(&ua), Some(&ub), Some(&uc)] = corners.map(|v| part.uvs.get(v)) else { return color };
         let mix =
             |axis: usize| ua[axis] * hit.weights[0] + ub[axis] * hit.weights[1] + uc[axis] * hit.weights[2];
         // How many of the texture's pixels lie in one of the picture's.

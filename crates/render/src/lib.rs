@@ -36,9 +36,13 @@
 //! 5. Lines and dots are drawn over it, tested against the samples' depths.
 
 mod camera;
+mod compose;
+mod enclose;
+mod encode;
 mod error;
 mod gather;
 mod hit;
+mod legend;
 mod light;
 mod lines;
 mod pattern;
@@ -49,11 +53,15 @@ mod scene;
 mod settings;
 mod shade;
 mod space;
+mod text;
 mod texture;
 mod tone;
 
-pub use camera::{Camera, View};
+pub use camera::{Camera, Framing, View};
+pub use compose::{Corner, caption, row};
+pub use encode::{EncodeError, png};
 pub use error::RenderError;
+pub use legend::legend;
 pub use renderer::{Picture, Renderer, render};
 pub use scene::{CLAY, Dots, Line, LineKind, Part, Scene};
 pub use settings::{FARTHEST, Light, MAX_SAMPLES, MAX_SIDE, Settings};

@@ -13,9 +13,11 @@ const HIDDEN: f32 = 0.38;
 /// Lines lie this much nearer than they are, in heights of the picture at the target: most lie in the very surface they
 /// move. More would let lines shine through folds.
 const BIAS: f32 = 0.008;
-/// Width of the darker rim that sets a line off from what is behind it, pixels, and how dense it is.
+/// Width of the darker rim that sets a line off from what is behind it, pixels, how dense it is, and how much of the
+/// line's colour it has.
 const RIM: f32 = 1.2;
-const RIM_DENSITY: f32 = 0.45;
+pub(crate) const RIM_DENSITY: f32 = 0.45;
+pub(crate) const RIM_SHADE: f32 = 0.12;
 /// Wider lines are drawn this wide, pixels.
 const MAX_WIDTH: f32 = 256.0;
 
@@ -57,7 +59,7 @@ pub(crate) fn draw(
                 let dimmed = |all: f32, seen: f32| seen + (all - seen).max(0.0) * HIDDEN;
                 let (core, whole) = (dimmed(c[0], c[1]), dimmed(c[2], c[3]));
                 let rim = (whole - core).max(0.0) * RIM_DENSITY;
-                row[x] = row[x].lerp(stroke.color * 0.12, rim).lerp(stroke.color, core);
+                row[x] = row[x].lerp(stroke.color * RIM_SHADE, rim).lerp(stroke.color, core);
                 *c = [0.0; 4];
             }
         }

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use wirework_surface::{Bounds, Mesh, MeshError, VertexMesh};
 
+use crate::enclose::winding;
 use crate::{RenderError, Texture};
 
 /// The colour of things that have none, linear: warm grey clay, on which relief reads well.
@@ -35,9 +37,19 @@ impl Scene {
         }
         Bounds::of(&corners)
     }
+
+    /// Whether a point (metres) lies inside the surfaces, by their winding number: above one half, with faces that turn
+    /// outwards round the point. A room whose walls face inwards does not enclose it, nor does a single sheet. An open
+    /// tube encloses what lies well within it.
+    pub fn encloses(&self, point: [f32; 3]) -> bool {
+        let point = DVec3::from(point.map(f64::from));
+        self.parts.iter().map(|part| winding(part, point)).sum::<f64>() > 0.5
+    }
 }
 
 /// A surface of triangles, seen from both sides.
+///
+/// Default: nothing, of clay.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Vertex positions, metres.
@@ -49,10 +61,26 @@ pub struct Part {
     pub triangles: Vec<[u32; 3]>,
     /// Base colour, linear, each component from 0 to 1; multiplies the texture.
     pub color: [f32; 3],
+    /// Linear colours, one a vertex, that multiply the base colour; empty for none.
+    pub colors: Vec<[f32; 3]>,
     /// Texture coordinates, one a vertex, `v` pointing down as in glTF; empty without texture.
     pub uvs: Vec<[f32; 2]>,
     /// The base colour's picture.
     pub texture: Option<Arc<Texture>>,
+}
+
+impl Default for Part {
+    fn default() -> Self {
+        Self {
+            positions: vec![],
+            normals: vec![],
+            triangles: vec![],
+            color: CLAY,
+            colors: vec![],
+            uvs: vec![],
+            texture: None,
+        }
+    }
 }
 
 impl Part {
@@ -61,7 +89,7 @@ impl Part {
         let VertexMesh { positions, normals, uvs, triangles, .. } = VertexMesh::new(mesh)?;
         let uvs = uvs.unwrap_or_default().into_iter().map(|[u, v]| [u, 1.0 - v]).collect();
         let normals = if triangles.is_empty() { vec![] } else { normals };
-        Ok(Self { positions, normals, triangles, color: CLAY, uvs, texture: None })
+        Ok(Self { positions, normals, triangles, uvs, ..Self::default() })
     }
 }
 
@@ -103,6 +131,8 @@ pub enum LineKind {
     Domain,
     /// A locator on a curve.
     Locator,
+    /// The control grid of a free-form lattice; thin lines.
+    Lattice,
     /// A seam of pieces.
     Seam,
     /// A point of an object.
@@ -110,16 +140,23 @@ pub enum LineKind {
 }
 
 impl LineKind {
-    /// The legend's colour, linear. They differ in lightness as well as in hue.
+    /// The legend's colour, linear. They differ in lightness as well as in hue, by a tenth of the way from black to white
+    /// and more, so that whoever sees fewer hues, or a print in grey, can tell them apart.
     pub fn color(self) -> [f32; 3] {
         match self {
-            Self::Wire => [0.86, 0.055, 0.02],
-            Self::Reference => [0.03, 0.20, 0.62],
-            Self::Domain => [0.05, 0.42, 0.16],
-            Self::Locator => [0.95, 0.62, 0.05],
-            Self::Seam => [0.48, 0.06, 0.44],
-            Self::Point => [0.10, 0.10, 0.12],
+            Self::Wire => [0.84, 0.06, 0.015],
+            Self::Reference => [0.012, 0.115, 0.50],
+            Self::Domain => [0.04, 0.46, 0.20],
+            Self::Locator => [0.97, 0.66, 0.04],
+            Self::Lattice => [0.93, 0.93, 0.93],
+            Self::Seam => [0.20, 0.008, 0.16],
+            Self::Point => [0.012, 0.012, 0.014],
         }
+    }
+
+    /// Whether it is shown by discs.
+    pub(crate) fn is_dot(self) -> bool {
+        matches!(self, Self::Locator | Self::Point)
     }
 
     /// The legend's word.
@@ -129,6 +166,7 @@ impl LineKind {
             Self::Reference => "reference",
             Self::Domain => "domain curve",
             Self::Locator => "locator",
+            Self::Lattice => "lattice",
             Self::Seam => "seam",
             Self::Point => "point",
         }
@@ -163,7 +201,12 @@ pub(crate) fn check(scene: &Scene) -> Result<(), RenderError> {
 
 fn check_part(number: usize, part: &Part) -> Result<(), RenderError> {
     let positions = part.positions.len();
-    for (what, count) in [("normals", part.normals.len()), ("texture coordinates", part.uvs.len())] {
+    let lists = [
+        ("normals", part.normals.len()),
+        ("texture coordinates", part.uvs.len()),
+        ("colours", part.colors.len()),
+    ];
+    for (what, count) in lists {
         if count != 0 && count != positions {
             return Err(RenderError::Count { part: number, what, count, positions });
         }
@@ -171,6 +214,7 @@ fn check_part(number: usize, part: &Part) -> Result<(), RenderError> {
     finite("part", number, "position", &part.positions)?;
     finite("part", number, "texture coordinate", &part.uvs)?;
     finite("part", number, "colour component", &part.color.map(|c| [c]))?;
+    finite("part", number, "vertex colour", &part.colors)?;
     for (triangle, corners) in part.triangles.iter().enumerate() {
         if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= positions) {
             return Err(RenderError::Index { part: number, triangle, vertex, positions });
@@ -188,5 +232,31 @@ fn finite<const N: usize>(
     match values.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
         Some(index) => Err(RenderError::NotFinite { owner, number, what, index }),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_of_lines_differ_in_lightness() {
+        let kinds = [
+            LineKind::Wire,
+            LineKind::Reference,
+            LineKind::Domain,
+            LineKind::Locator,
+            LineKind::Lattice,
+            LineKind::Seam,
+            LineKind::Point,
+        ];
+        // CIE L*, from 0 to 100.
+        let lightness = |kind: LineKind| {
+            let [r, g, b] = kind.color();
+            116.0 * (0.2126 * r + 0.7152 * g + 0.0722 * b).cbrt() - 16.0
+        };
+        let mut all: Vec<f32> = kinds.into_iter().map(lightness).collect();
+        all.sort_by(f32::total_cmp);
+        assert!(all.windows(2).all(|l| l[1] - l[0] > 10.0), "{all:?}");
     }
 }

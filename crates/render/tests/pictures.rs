@@ -161,6 +161,24 @@ fn texture_coordinates_follow_perspective() {
 }
 
 #[test]
+fn vertex_colours_multiply_the_base_colour_and_blend_between() {
+    let mut part = square(1.0, 0.0, [1.0, 0.5, 1.0]);
+    part.colors = part.positions.iter().map(|p| [f32::midpoint(p[0], 1.0), 1.0, 0.0]).collect();
+    let dim = Settings { light: Light { ambient: 1.0, ..flat(100).light }, ..flat(100) };
+    let picture = render(&scene(vec![part.clone()]), &camera(40.0, 1.0), &dim).unwrap();
+    part.colors.clear();
+    let plain = render(&scene(vec![Part { color: WHITE, ..part }]), &camera(40.0, 1.0), &dim).unwrap();
+    for (x, y) in [(5, 50), (50, 8), (94, 95), (30, 60)] {
+        let [found, white] = [&picture, &plain].map(|p| at(p, x, y).map(linear));
+        let share = (x as f32 + 0.5) / 100.0;
+        for (channel, expected) in [share, 0.5, 0.0].into_iter().enumerate() {
+            let ratio = found[channel] / white[channel];
+            assert!((ratio - expected).abs() < 0.012, "channel {channel} at {x}: {ratio}");
+        }
+    }
+}
+
+#[test]
 fn shadows_fall_where_the_light_is_blocked_and_nowhere_else() {
     // A wall at z = 0 and a small plate before it: the light comes from the left and above, so the shadow is to the
     // right and below.
@@ -247,7 +265,9 @@ fn framing_holds_the_box_and_fills_the_picture() {
         Bounds { min: [1e-9, 0.0, 0.0], max: [2e-9, 1e-9, 1e-9] },
         Bounds { min: [-1e20; 3], max: [1e20, 2e20, 1e20] },
     ] {
-        for view in [View::Front, View::Side, View::Top, View::ThreeQuarter] {
+        let around = |azimuth, elevation| View::Around { azimuth, elevation };
+        let named = [View::Front, View::Side, View::Top, View::ThreeQuarter];
+        for view in named.into_iter().chain([around(-140.0, -35.0), around(77.0, -90.0)]) {
             for size in [[320, 180], [100, 300]] {
                 let camera = Camera::framing(bounds, view, size).unwrap();
                 let kind = LineKind::Point;

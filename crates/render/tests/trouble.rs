@@ -69,6 +69,12 @@ fn numbers_that_are_none_are_refused_by_name() {
     let mut broken = scene.clone();
     broken.parts[0].normals.pop();
     assert!(matches!(error(&broken, &CAMERA, &SMALL), RenderError::Count { what: "normals", .. }));
+    let mut broken = scene.clone();
+    broken.parts[0].colors = vec![[0.0; 3]; 3];
+    assert!(matches!(error(&broken, &CAMERA, &SMALL), RenderError::Count { what: "colours", count: 3, .. }));
+    let mut broken = scene.clone();
+    broken.parts[0].colors = vec![[f32::NAN; 3]; broken.parts[0].positions.len()];
+    assert!(matches!(error(&broken, &CAMERA, &SMALL), RenderError::NotFinite { what: "vertex colour", .. }));
     let kind = LineKind::Wire;
     let mut broken = scene.clone();
     broken.lines.push(Line { points: vec![[f32::INFINITY; 3]], color: [0.0; 3], width: 1.0, kind });
