@@ -34,6 +34,7 @@ mod select;
 mod skin;
 mod still;
 mod uri;
+mod way;
 
 pub use census::NodeCensus;
 pub use clip::{Clip, WeightTrack};
