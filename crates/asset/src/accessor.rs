@@ -76,11 +76,9 @@ struct Strided<'a> {
 /// Elements that replace others.
 #[derive(Clone, Copy, Debug)]
 struct Sparse<'a> {
-    count: usize,
     index_type: Component,
     indices: &'a [u8],
     values: &'a [u8],
-    json: Json<'a>,
 }
 
 /// A checked accessor.
@@ -223,7 +221,7 @@ impl Gltf {
         let index_type = index_type(index_json.need("componentType")?)?;
         let indices = self.packed(index_json, count, index_type.size())?;
         let values = self.packed(json.need("values")?, count, size)?;
-        let sparse = Sparse { count, index_type, indices, values, json: index_json };
+        let sparse = Sparse { index_type, indices, values };
         let mut least = 0;
         for index in sparse.indices() {
             if index < least || index >= of {
@@ -261,7 +259,7 @@ impl Sparse<'_> {
 impl Accessor<'_> {
     /// All elements as `N` floats each; normalised integers as the standard says. `N` is [`Accessor::lanes`].
     pub(crate) fn floats<const N: usize>(&self, budget: &mut Budget) -> Result<Vec<[f32; N]>, AssetError> {
-        let (scale, least) = if self.normalized { self.component.scale() } else { (1.0, f64::NEG_INFINITY) };
+        let (scale, least) = self.range();
         self.elements(budget, [0.0; N], |value| (value / scale).max(least) as f32)
     }
 
@@ -270,17 +268,52 @@ impl Accessor<'_> {
         self.elements(budget, [0; N], |value| value as u32)
     }
 
+    /// Visits the elements in their order, as [`Accessor::floats`] gives them, without keeping them. Of an accessor
+    /// without a view only the elements that are not 0. Charged as if they were kept, for that bounds the time.
+    pub(crate) fn each_float<const N: usize>(
+        &self,
+        budget: &mut Budget,
+        visit: impl FnMut(usize, [f32; N]),
+    ) -> Result<(), AssetError> {
+        self.charge::<f32, N>(budget)?;
+        let (scale, least) = self.range();
+        self.each([0.0; N], |value| (value / scale).max(least) as f32, visit);
+        Ok(())
+    }
+
+    /// What components are divided by, and the least that they can then be.
+    fn range(&self) -> (f64, f64) {
+        if self.normalized { self.component.scale() } else { (1.0, f64::NEG_INFINITY) }
+    }
+
+    fn charge<T, const N: usize>(&self, budget: &mut Budget) -> Result<(), AssetError> {
+        if self.lanes != N {
+            return Err(self.json.need("type")?.fault(format!("a type of {N} components")));
+        }
+        let bytes = (self.count as u64).saturating_mul(size_of::<[T; N]>() as u64);
+        budget.charge(Of::ExpandedBytes, bytes, || self.json.place())
+    }
+
     fn elements<T: Copy, const N: usize>(
         &self,
         budget: &mut Budget,
         zero: [T; N],
         convert: impl Fn(f64) -> T,
     ) -> Result<Vec<[T; N]>, AssetError> {
-        if self.lanes != N {
-            return Err(self.json.need("type")?.fault(format!("a type of {N} components")));
-        }
-        let bytes = (self.count as u64).saturating_mul(size_of::<[T; N]>() as u64);
-        budget.charge(Of::ExpandedBytes, bytes, || self.json.place())?;
+        self.charge::<T, N>(budget)?;
+        let mut out = reserve(self.count)?;
+        out.resize(self.count, zero);
+        // Sparse indices are below the count.
+        self.each(zero, convert, |i, element| out[i] = element);
+        Ok(out)
+    }
+
+    fn each<T: Copy, const N: usize>(
+        &self,
+        zero: [T; N],
+        convert: impl Fn(f64) -> T,
+        mut visit: impl FnMut(usize, [T; N]),
+    ) {
         let size = self.component.size();
         let element = |bytes: &[u8]| {
             let mut out = zero;
@@ -289,18 +322,16 @@ impl Accessor<'_> {
             }
             out
         };
-        let mut out = reserve(self.count)?;
+        let replaced = self.sparse.iter().flat_map(|s| s.indices().zip(s.values.chunks_exact(size * N)));
         match self.base {
-            None => out.resize(self.count, zero),
-            Some(base) => out.extend(base.bytes.chunks(base.stride).take(self.count).map(element)),
-        }
-        if let Some(sparse) = &self.sparse {
-            let values = sparse.values.chunks_exact(size * N);
-            for (index, bytes) in sparse.indices().zip(values).take(sparse.count) {
-                let slot = out.get_mut(index).ok_or_else(|| sparse.json.fault("indices below the count"))?;
-                *slot = element(bytes);
+            None => replaced.for_each(|(i, bytes)| visit(i, element(bytes))),
+            Some(base) => {
+                let mut replaced = replaced.peekable();
+                for (i, bytes) in base.bytes.chunks(base.stride).take(self.count).enumerate() {
+                    let bytes = replaced.next_if(|(at, _)| *at == i).map_or(bytes, |(_, bytes)| bytes);
+                    visit(i, element(bytes));
+                }
             }
         }
-        Ok(out)
     }
 }

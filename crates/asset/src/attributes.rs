@@ -1,4 +1,4 @@
-//! The vertices of a primitive as its mesh stores them, morph targets applied.
+//! The vertices of a primitive as its mesh stores them, and its morph targets.
 
 use crate::accessor::{Accessor, Component};
 use crate::document::Gltf;
@@ -10,10 +10,10 @@ use crate::limits::Budget;
 const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 /// Vertices in the space of their mesh.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Local {
     pub(crate) positions: Vec<[f32; 3]>,
     pub(crate) normals: Option<Vec<[f32; 3]>>,
-    pub(crate) uvs: Option<Vec<[f32; 2]>>,
 }
 
 /// How many morph targets each primitive of a mesh has; all must have as many.
@@ -65,36 +65,41 @@ pub(crate) fn check(gltf: &Gltf, primitive: Json<'_>) -> Result<Vec<(String, usi
 }
 
 impl Local {
-    /// Reads positions, normals and texture coordinates; `weights` has one number a morph target.
+    /// Reads positions and normals, without morph targets.
     pub(crate) fn read(
         gltf: &Gltf,
         primitive: Json<'_>,
-        weights: &[f64],
         budget: &mut Budget,
         warnings: &mut Vec<Warning>,
     ) -> Result<Self, AssetError> {
         let attributes = primitive.need("attributes")?;
         let accessor = vectors(gltf, attributes.need("POSITION")?)?;
-        let mut positions = finite(&accessor, accessor.floats::<3>(budget)?)?;
+        let positions = finite(&accessor, accessor.floats::<3>(budget)?)?;
         check_bounds(&accessor, &positions, warnings)?;
-        let mut normals = match attributes.get("NORMAL")? {
+        let normals = match attributes.get("NORMAL")? {
             None => None,
             Some(reference) => {
                 let accessor = vectors(gltf, reference)?;
                 Some(finite(&accessor, accessor.floats::<3>(budget)?)?)
             }
         };
-        if let Some(targets) = primitive.get("targets")? {
-            for (target, &weight) in targets.items()?.zip(weights) {
-                add(gltf, target.get("POSITION")?, weight, Some(&mut positions), budget)?;
-                add(gltf, target.get("NORMAL")?, weight, normals.as_mut(), budget)?;
-            }
+        Ok(Self { positions, normals })
+    }
+
+    /// Adds the morph targets of the primitive, each times its weight. Those of weight 0 are checked but not read.
+    pub(crate) fn morph(
+        &mut self,
+        gltf: &Gltf,
+        primitive: Json<'_>,
+        weights: &[f64],
+        budget: &mut Budget,
+    ) -> Result<(), AssetError> {
+        let Some(targets) = primitive.get("targets")? else { return Ok(()) };
+        for (target, &weight) in targets.items()?.zip(weights) {
+            add(gltf, target.get("POSITION")?, weight, Some(&mut self.positions), budget)?;
+            add(gltf, target.get("NORMAL")?, weight, self.normals.as_mut(), budget)?;
         }
-        let uvs = match attributes.get("TEXCOORD_0")? {
-            None => None,
-            Some(reference) => texture_coordinates(&gltf.accessor(reference)?, budget, warnings)?,
-        };
-        Ok(Self { positions, normals, uvs })
+        Ok(())
     }
 }
 
@@ -130,13 +135,19 @@ fn add(
     if weight == 0.0 {
         return Ok(());
     }
-    let deltas = finite(&accessor, accessor.floats::<3>(budget)?)?;
-    for (v, delta) in to.iter_mut().zip(deltas) {
-        for (c, d) in v.iter_mut().zip(delta) {
+    let mut bad = None;
+    accessor.each_float::<3>(budget, |i, delta| {
+        if delta.iter().any(|d| !d.is_finite()) {
+            bad.get_or_insert((i, delta));
+        }
+        for (c, d) in to.get_mut(i).into_iter().flatten().zip(delta) {
             *c = (f64::from(*c) + weight * f64::from(d)) as f32;
         }
+    })?;
+    match bad {
+        Some((i, delta)) => Err(accessor.json.found(format!("element {i} is {delta:?}"), "finite numbers")),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Missing or wrong bounds harm viewers, not us.
@@ -175,11 +186,18 @@ pub(crate) fn bounds(values: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
     (min, max)
 }
 
-fn texture_coordinates(
-    accessor: &Accessor<'_>,
+/// A set of texture coordinates, if the primitive has it.
+pub(crate) fn texture_coordinates(
+    gltf: &Gltf,
+    primitive: Json<'_>,
+    set: usize,
     budget: &mut Budget,
     warnings: &mut Vec<Warning>,
 ) -> Result<Option<Vec<[f32; 2]>>, AssetError> {
+    let key = format!("TEXCOORD_{set}");
+    let found = primitive.need("attributes")?.members()?.find(|(name, _)| *name == key);
+    let Some((_, reference)) = found else { return Ok(None) };
+    let accessor = gltf.accessor(reference)?;
     let uvs = if accessor.lanes == 2 { Some(accessor.floats::<2>(budget)?) } else { None };
     let uvs = uvs.filter(|uvs| uvs.iter().flatten().all(|c| c.is_finite()));
     if uvs.is_none() {

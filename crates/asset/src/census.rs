@@ -8,9 +8,9 @@ use crate::edit::whole;
 use crate::error::AssetError;
 use crate::graph::Graph;
 use crate::json::Json;
-use crate::limits::{Budget, Of, reserve};
+use crate::limits::{Budget, reserve};
 use crate::rest::{Part, Rest};
-use crate::skin;
+use crate::skin::Influences;
 
 /// A node by which vertices can be chosen: it shows a mesh, stands for nodes below it that show one, or is a joint.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -80,29 +80,19 @@ impl Gltf {
         let joints = skin.need("joints")?.items()?.map(Json::uint);
         let joints: Vec<usize> = joints.collect::<Result<_, AssetError>>()?;
         let attributes = self.primitive(part)?.need("attributes")?;
-        // Vertices and the nodes they hang on; a joint may hold a vertex several times.
-        let sets = attributes.members()?.filter(|(key, _)| key.starts_with("JOINTS_")).count();
-        let room = count.saturating_mul(4).saturating_mul(sets.max(1));
-        let bytes = (room as u64).saturating_mul(size_of::<(u32, u32)>() as u64);
-        budget.charge(Of::ExpandedBytes, bytes, || attributes.place())?;
-        let mut held: Vec<(u32, u32)> = reserve(room)?;
-        let mut bare = vec![true; count];
-        let first = skin::each_weight(self, attributes, joints.len(), budget, |v, joint, weight| {
-            if weight > 0.0 {
-                held.push((v as u32, joints[joint] as u32));
-                if let Some(slot) = bare.get_mut(v) {
-                    *slot = false;
+        // What is wrong with the weights was told when the rest was read.
+        let influences = Influences::read(self, attributes, count, joints.len(), budget, &mut Vec::new())?;
+        let mut held: Vec<usize> = Vec::new();
+        for v in 0..count {
+            held.clear();
+            held.extend(influences.of(v).iter().filter_map(|&(joint, _)| joints.get(joint as usize)));
+            // A node may be a joint of the skin several times.
+            held.sort_unstable();
+            held.dedup();
+            for &node in &held {
+                if let Some(entry) = nodes.get_mut(node) {
+                    entry.joint_vertices += 1;
                 }
-            }
-        })?;
-        // Without any weight a vertex hangs on its first joint.
-        let bare = bare.iter().zip(&first).enumerate().filter(|(_, (bare, _))| **bare);
-        held.extend(bare.map(|(v, (_, joint))| (v as u32, joints[joint[0] as usize] as u32)));
-        held.sort_unstable();
-        held.dedup();
-        for (_, node) in held {
-            if let Some(entry) = nodes.get_mut(node as usize) {
-                entry.joint_vertices += 1;
             }
         }
         Ok(())

@@ -19,7 +19,31 @@ pub(crate) struct Node {
     pub(crate) weights: Option<Vec<f64>>,
     children: Vec<usize>,
     pub(crate) parent: Option<usize>,
-    local: DAffine3,
+    pub(crate) pose: Pose,
+}
+
+/// A node's own transform.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Pose {
+    Matrix(DAffine3),
+    /// The rotation has length 1.
+    Parts {
+        translation: DVec3,
+        rotation: DQuat,
+        scale: DVec3,
+    },
+}
+
+impl Pose {
+    fn affine(&self) -> DAffine3 {
+        match *self {
+            Self::Matrix(matrix) => matrix,
+            Self::Parts { translation, rotation, scale } => {
+                let linear = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale);
+                DAffine3::from_mat3_translation(linear, translation)
+            }
+        }
+    }
 }
 
 impl Node {
@@ -30,9 +54,11 @@ impl Node {
 }
 
 /// All nodes, in the order of the document.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Graph {
     pub(crate) nodes: Vec<Node>,
+    /// All of them, parents first.
+    order: Vec<usize>,
     /// From each node's space to the world.
     pub(crate) world: Vec<DAffine3>,
     /// The nodes that the scene shows, parents first, children in their order.
@@ -47,7 +73,7 @@ impl Gltf {
         warnings: &mut Vec<Warning>,
     ) -> Result<Graph, AssetError> {
         let Some(table) = self.table("nodes")? else {
-            return Ok(Graph { nodes: Vec::new(), world: Vec::new(), shown: Vec::new() });
+            return Ok(Graph::default());
         };
         let count = table.array()?.len();
         budget.charge(Of::Nodes, count as u64, || table.place())?;
@@ -60,18 +86,15 @@ impl Gltf {
         if order.len() < count {
             return Err(cycle(&nodes, &order, table)?);
         }
-        let mut world = vec![DAffine3::IDENTITY; count];
-        for &i in &order {
-            world[i] = nodes[i].parent.map_or(DAffine3::IDENTITY, |parent| world[parent]) * nodes[i].local;
-            if !world[i].is_finite() {
-                return Err(table.item(i)?.found("a transform that overflows", "finite transforms"));
-            }
-        }
         let shown = match self.scene_nodes(count)? {
             Some(starts) => walk(&nodes, &starts),
-            None => order,
+            None => order.clone(),
         };
-        Ok(Graph { nodes, world, shown })
+        let mut graph = Graph { nodes, order, world: vec![DAffine3::IDENTITY; count], shown };
+        match graph.settle() {
+            Ok(()) => Ok(graph),
+            Err(node) => Err(table.item(node)?.found("a transform that overflows", "finite transforms")),
+        }
     }
 
     /// The nodes that the default scene lists; none where there is no scene.
@@ -95,11 +118,24 @@ impl Gltf {
         let skin =
             json.get("skin")?.map(|skin| self.follow("skins", skin)).transpose()?.map(|(index, _)| index);
         let weights = json.get("weights")?.map(floats).transpose()?;
-        Ok(Node { mesh, skin, weights, children, parent: None, local: local(json, warnings)? })
+        Ok(Node { mesh, skin, weights, children, parent: None, pose: pose(json, warnings)? })
     }
 }
 
 impl Graph {
+    /// Puts all nodes where their own transforms say. The error is a node that this takes beyond the numbers.
+    pub(crate) fn settle(&mut self) -> Result<(), usize> {
+        for &i in &self.order {
+            let node = &self.nodes[i];
+            let above = node.parent.map_or(DAffine3::IDENTITY, |parent| self.world[parent]);
+            self.world[i] = above * node.pose.affine();
+            if !self.world[i].is_finite() {
+                return Err(i);
+            }
+        }
+        Ok(())
+    }
+
     /// The nodes that are no other node's child.
     pub(crate) fn roots(&self) -> Vec<usize> {
         roots(&self.nodes)
@@ -115,10 +151,9 @@ pub(crate) fn floats(json: Json<'_>) -> Result<Vec<f64>, AssetError> {
     json.items()?.map(Json::float).collect()
 }
 
-/// A node's own transform.
-fn local(json: Json<'_>, warnings: &mut Vec<Warning>) -> Result<DAffine3, AssetError> {
+fn pose(json: Json<'_>, warnings: &mut Vec<Warning>) -> Result<Pose, AssetError> {
     if let Some(matrix) = json.get("matrix")? {
-        return affine(matrix.floats::<16>()?, matrix, warnings);
+        return affine(matrix.floats::<16>()?, matrix, warnings).map(Pose::Matrix);
     }
     let vector = |key, default| -> Result<DVec3, AssetError> {
         json.get(key)?.map_or(Ok(default), |value| value.floats::<3>().map(DVec3::from_array))
@@ -131,10 +166,16 @@ fn local(json: Json<'_>, warnings: &mut Vec<Warning>) -> Result<DAffine3, AssetE
             let message = format!("the rotation has length {length:.4}; it is normalised");
             warnings.push(Warning::new("rotation-length", value.place(), message));
         }
-        rotation = if length > 0.0 && length.is_finite() { raw / length } else { DQuat::IDENTITY };
+        rotation = unit(raw);
     }
     let (scale, translation) = (vector("scale", DVec3::ONE)?, vector("translation", DVec3::ZERO)?);
-    Ok(DAffine3::from_mat3_translation(DMat3::from_quat(rotation) * DMat3::from_diagonal(scale), translation))
+    Ok(Pose::Parts { translation, rotation, scale })
+}
+
+/// The rotation that `raw` stands for; none where it has no length.
+pub(crate) fn unit(raw: DQuat) -> DQuat {
+    let length = raw.length();
+    if length > 0.0 && length.is_finite() { raw / length } else { DQuat::IDENTITY }
 }
 
 /// A 4 × 4 matrix, column by column, as an affine transform.

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use wirework_surface::{Corner, Mesh};
 
 use crate::attributes::{self, Local};
@@ -14,7 +14,8 @@ use crate::graph::{Graph, floats};
 use crate::json::Json;
 use crate::limits::{Budget, Of, reserve};
 use crate::primitive::Mode;
-use crate::skin;
+use crate::skin::{Influences, Skin};
+use crate::way::{Way, double, place, single};
 
 /// Everything the scene of a document shows, as one set of vertices in world space.
 ///
@@ -81,15 +82,6 @@ enum Frame {
     Skin(Vec<Way>),
 }
 
-/// From the world back to a mesh; nothing for a singular transform.
-#[derive(Clone, Copy, Debug)]
-struct Way {
-    /// Takes displacements back.
-    inverse: Option<DMat3>,
-    /// Takes normals back, but for their length: the transpose of the linear part.
-    transpose: DMat3,
-}
-
 /// Displacements of a block in the space of its mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LocalDeltas {
@@ -99,23 +91,6 @@ pub struct LocalDeltas {
     pub normals: Option<Vec<[f32; 3]>>,
     /// How many vertices should have moved but cannot, because their transform is singular.
     pub stuck: usize,
-}
-
-impl Way {
-    fn new(matrix: &DAffine3) -> Self {
-        Self { inverse: skin::inverse(matrix), transpose: matrix.matrix3.transpose() }
-    }
-
-    /// A normal of the mesh in the world, where the inverse is `inverse`.
-    fn normal(&self, n: [f32; 3]) -> [f32; 3] {
-        let local = DVec3::from_array(n.map(f64::from));
-        let world = self.inverse.map_or(local, |inverse| inverse.transpose() * local);
-        single(world.normalize_or_zero())
-    }
-}
-
-fn single(v: DVec3) -> [f32; 3] {
-    v.to_array().map(|c| c as f32)
 }
 
 impl Gltf {
@@ -145,13 +120,11 @@ impl Gltf {
                     Entry::Occupied(known) => known.into_mut(),
                     Entry::Vacant(place) => {
                         let json = self.root().need("skins")?.item(index)?;
-                        place.insert(skin::joint_matrices(
-                            self,
-                            json,
-                            &graph,
-                            &mut budget,
-                            &mut rest.warnings,
-                        )?)
+                        let nodes = graph.nodes.len();
+                        let skin = Skin::read(self, json, nodes, &mut budget, &mut rest.warnings)?;
+                        let mut matrices = Vec::new();
+                        skin.matrices_into(&graph.world, &mut matrices);
+                        place.insert(matrices)
                     }
                 }),
             };
@@ -199,7 +172,8 @@ impl Shown<'_> {
         let count = primitives.array()?.len();
         budget.charge(Of::Primitives, count as u64, || primitives.place())?;
         let targets = attributes::target_count(primitives)?;
-        let weights = self.weights(mesh, targets)?;
+        let own = self.graph.nodes[self.node].weights.as_deref();
+        let weights = default_weights(self.gltf, self.node, own, mesh, targets)?;
         let mut blocks: BTreeMap<Vec<(String, usize)>, usize> = BTreeMap::new();
         for (index, primitive) in primitives.items()?.enumerate() {
             let list = attributes::check(self.gltf, primitive)?;
@@ -220,22 +194,6 @@ impl Shown<'_> {
         Ok(())
     }
 
-    /// The default weight of each morph target.
-    fn weights(&self, mesh: Json<'_>, targets: usize) -> Result<Vec<f64>, AssetError> {
-        let own = self.graph.nodes[self.node].weights.clone();
-        let (weights, place) = match (own, mesh.get("weights")?) {
-            (Some(own), _) => (own, self.gltf.root().need("nodes")?.item(self.node)?.need("weights")?),
-            (None, Some(json)) => (floats(json)?, json),
-            (None, None) => return Ok(vec![0.0; targets]),
-        };
-        if weights.len() != targets {
-            return Err(
-                place.found(format!("{} weights", weights.len()), format!("{targets}, one a morph target"))
-            );
-        }
-        Ok(weights)
-    }
-
     /// Reads the vertices of a primitive as a new block.
     fn block(
         &self,
@@ -244,42 +202,24 @@ impl Shown<'_> {
         rest: &mut Rest,
         budget: &mut Budget,
     ) -> Result<(), AssetError> {
-        let local = Local::read(self.gltf, primitive, weights, budget, &mut rest.warnings)?;
+        let mut local = Local::read(self.gltf, primitive, budget, &mut rest.warnings)?;
+        local.morph(self.gltf, primitive, weights, budget)?;
+        let uvs = attributes::texture_coordinates(self.gltf, primitive, 0, budget, &mut rest.warnings)?;
         let count = local.positions.len();
         budget.charge(Of::Vertices, count as u64, || primitive.place())?;
-        let attributes = primitive.need("attributes")?;
         let bytes = count as u64 * if self.joints.is_some() { size_of::<Way>() as u64 + 36 } else { 36 };
         budget.charge(Of::ExpandedBytes, bytes, || primitive.place())?;
-        let node = &self.graph.world[self.node];
-        let skinned = match self.joints {
-            None => None,
-            Some(joints) => {
-                let warnings = &mut rest.warnings;
-                Some(skin::vertex_matrices(self.gltf, attributes, count, joints, budget, warnings)?)
-            }
-        };
         let first = rest.positions.len();
         if u32::try_from(first.saturating_add(count)).is_err() {
             return Err(primitive
                 .found("more vertices than 32 bits count", "fewer: no flag raises this")
                 .of_class(ErrorClass::Limit));
         }
-        let matrix = |v: usize| skinned.as_ref().map_or(node, |matrices| &matrices[v]);
-        place(&local.positions, matrix, &mut rest.positions).map_err(|found| {
-            AssetError::new(attributes.place(), found, "vertices in the range of floats that fit into memory")
-        })?;
-        let frame = match &skinned {
-            None => Frame::Node(Way::new(node)),
-            Some(matrices) => {
-                let mut ways = reserve(count)?;
-                ways.extend(matrices.iter().map(Way::new));
-                Frame::Skin(ways)
-            }
-        };
-        let normals = local
-            .normals
-            .as_ref()
-            .map(|normals| normals.iter().enumerate().map(|(v, &n)| frame.way(v).normal(n)).collect());
+        let attributes = primitive.need("attributes")?;
+        let frame = self.place(&local.positions, attributes, rest, budget)?;
+        let normals = local.normals.as_ref().map(|normals| {
+            normals.iter().enumerate().map(|(v, &n)| frame.way(v).normal(double(n))).collect()
+        });
         if normals.is_none() && Mode::read(primitive)? as u8 >= Mode::Triangles as u8 {
             let message = "there are no normals; they are computed where they are needed";
             rest.warnings.push(Warning::new("normals-missing", attributes.place(), message));
@@ -290,11 +230,41 @@ impl Shown<'_> {
             first,
             count,
             normals,
-            uvs: local.uvs,
+            uvs,
             local_normals: local.normals,
             frame,
         });
         Ok(())
+    }
+
+    /// Appends the world positions of vertices.
+    fn place(
+        &self,
+        local: &[[f32; 3]],
+        attributes: Json<'_>,
+        rest: &mut Rest,
+        budget: &mut Budget,
+    ) -> Result<Frame, AssetError> {
+        let fault = |found: &str| {
+            AssetError::new(attributes.place(), found, "vertices in the range of floats that fit into memory")
+        };
+        rest.positions.try_reserve(local.len()).map_err(|_| fault("more vertices than fit"))?;
+        let Some(joints) = self.joints else {
+            let matrix = &self.graph.world[self.node];
+            for &p in local {
+                rest.positions.push(place(matrix, double(p)).map_err(fault)?);
+            }
+            return Ok(Frame::Node(Way::new(matrix)));
+        };
+        let (count, warnings) = (local.len(), &mut rest.warnings);
+        let influences = Influences::read(self.gltf, attributes, count, joints.len(), budget, warnings)?;
+        let mut ways = reserve(count)?;
+        for (v, &p) in local.iter().enumerate() {
+            let matrix = influences.matrix(v, joints);
+            rest.positions.push(place(&matrix, double(p)).map_err(fault)?);
+            ways.push(Way::new(&matrix));
+        }
+        Ok(Frame::Skin(ways))
     }
 
     fn part(
@@ -332,21 +302,25 @@ impl Shown<'_> {
     }
 }
 
-/// Appends the world positions of vertices; `matrix` takes each of them there.
-fn place<'m>(
-    local: &[[f32; 3]],
-    matrix: impl Fn(usize) -> &'m DAffine3,
-    out: &mut Vec<[f32; 3]>,
-) -> Result<(), &'static str> {
-    out.try_reserve(local.len()).map_err(|_| "more vertices than fit")?;
-    for (v, p) in local.iter().enumerate() {
-        let world = single(matrix(v).transform_point3(DVec3::from_array(p.map(f64::from))));
-        if world.iter().any(|c| !c.is_finite()) {
-            return Err("a vertex beyond the range of floats");
-        }
-        out.push(world);
+/// The default weights of the `targets` morph targets of a mesh as a node shows it: the node's `own`, else the mesh's.
+pub(crate) fn default_weights(
+    gltf: &Gltf,
+    node: usize,
+    own: Option<&[f64]>,
+    mesh: Json<'_>,
+    targets: usize,
+) -> Result<Vec<f64>, AssetError> {
+    let (weights, place) = match (own, mesh.get("weights")?) {
+        (Some(own), _) => (own.to_vec(), gltf.root().need("nodes")?.item(node)?.need("weights")?),
+        (None, Some(json)) => (floats(json)?, json),
+        (None, None) => return Ok(vec![0.0; targets]),
+    };
+    if weights.len() != targets {
+        return Err(
+            place.found(format!("{} weights", weights.len()), format!("{targets}, one a morph target"))
+        );
     }
-    Ok(())
+    Ok(weights)
 }
 
 impl Frame {
@@ -388,7 +362,7 @@ impl Rest {
         };
         out.positions.reserve_exact(b.count);
         for (v, (p, q)) in rest.iter().zip(now).enumerate() {
-            let delta = DVec3::from_array(q.map(f64::from)) - DVec3::from_array(p.map(f64::from));
+            let delta = double(*q) - double(*p);
             let local = match b.frame.way(v).inverse {
                 _ if delta == DVec3::ZERO => DVec3::ZERO,
                 Some(inverse) => inverse * delta,
@@ -441,11 +415,11 @@ impl Rest {
 impl Block {
     fn normal_delta(&self, v: usize, rest: [f32; 3], base: [f32; 3], now: [f32; 3]) -> [f32; 3] {
         let way = self.frame.way(v);
-        let target = (way.transpose * DVec3::from_array(now.map(f64::from))).normalize_or_zero();
+        let target = (way.transpose * double(now)).normalize_or_zero();
         if rest == now || way.inverse.is_none() || target == DVec3::ZERO {
             return [0.0; 3];
         }
-        clean(single(target - DVec3::from_array(base.map(f64::from))))
+        clean(single(target - double(base)))
     }
 }
 

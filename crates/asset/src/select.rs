@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use crate::document::Gltf;
 use crate::edit::whole;
 use crate::error::AssetError;
-use crate::limits::{Budget, Of, reserve};
+use crate::limits::Budget;
 use crate::rest::{Part, Rest};
-use crate::skin;
+use crate::skin::Influences;
 
 /// How much vertices hang on some joints.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -139,28 +139,20 @@ impl Gltf {
         let chosen = skin.need("joints")?.items()?.map(|joint| Ok(joints.get(&joint.uint()?).copied()));
         let chosen: Vec<Option<usize>> = chosen.collect::<Result<_, AssetError>>()?;
         let attributes = self.primitive(part)?.need("attributes")?;
-        let bytes = (out.len() as u64).saturating_mul(size_of::<(f64, f64)>() as u64);
-        budget.charge(Of::ExpandedBytes, bytes, || attributes.place())?;
-        // For each vertex the weights of the chosen joints, and of all.
-        let mut sums: Vec<(f64, f64)> = reserve(out.len())?;
-        sums.resize(out.len(), (0.0, 0.0));
         let mut hit = vec![false; chosen.len()];
-        let first = skin::each_weight(self, attributes, chosen.len(), budget, |v, joint, weight| {
-            if let Some((of, all)) = sums.get_mut(v) {
-                *of += chosen[joint].map_or(0.0, |_| weight);
-                *all += weight;
-                hit[joint] |= weight > 0.0;
+        // What is wrong with the weights was told when the rest was read.
+        let influences =
+            Influences::read(self, attributes, out.len(), chosen.len(), budget, &mut Vec::new())?;
+        for (v, slot) in out.iter_mut().enumerate() {
+            let (mut of, mut all) = (0.0, 0.0);
+            for &(joint, weight) in influences.of(v) {
+                let Some(known) = chosen.get(joint as usize) else { continue };
+                let weight = f64::from(weight);
+                of += known.map_or(0.0, |_| weight);
+                all += weight;
+                hit[joint as usize] = true;
             }
-        })?;
-        for (v, (slot, (of, all))) in out.iter_mut().zip(sums).enumerate() {
-            *slot = match first.get(v) {
-                _ if all > 0.0 => (of / all) as f32,
-                Some(&[joint, ..]) => {
-                    hit[joint as usize] = true;
-                    f32::from(u8::from(chosen[joint as usize].is_some()))
-                }
-                None => 0.0,
-            };
+            *slot = if all > 0.0 { (of / all) as f32 } else { 0.0 };
         }
         used.extend(chosen.iter().zip(hit).filter_map(|(node, hit)| node.filter(|_| hit)));
         Ok(())

@@ -1,109 +1,169 @@
 //! Skins: the matrix that takes a vertex of a skinned mesh to the world, blended from its joints.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::DAffine3;
 
 use crate::accessor::Component;
 use crate::document::Gltf;
 use crate::error::{AssetError, Warning};
-use crate::graph::{Graph, affine};
+use crate::graph::affine;
 use crate::json::Json;
 use crate::limits::{Budget, Of, reserve};
 
 /// How far the sum of a vertex's weights may be from 1 before it is worth a warning: a unit of 8-bit weights.
 const WEIGHT_SLACK: f64 = 1.0 / 255.0;
 
-/// The matrices of a skin: joint world × inverse bind.
-pub(crate) fn joint_matrices(
-    gltf: &Gltf,
-    skin: Json<'_>,
-    graph: &Graph,
-    budget: &mut Budget,
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<DAffine3>, AssetError> {
-    let joints = skin.need("joints")?;
-    let count = joints.array()?.len();
-    if count == 0 {
-        return Err(joints.fault("at least one joint"));
-    }
-    budget
-        .charge(Of::ExpandedBytes, count.saturating_mul(size_of::<DAffine3>()) as u64, || joints.place())?;
-    let mut out = reserve(count)?;
-    for joint in joints.items()? {
-        out.push(graph.world[joint.index("node", graph.nodes.len())?]);
-    }
-    if let Some(reference) = skin.get("inverseBindMatrices")? {
-        let accessor = gltf.accessor(reference)?;
-        if accessor.component != Component::F32 || accessor.lanes != 16 {
-            return Err(accessor
-                .json
-                .found("an accessor of another type", "inverse bind matrices: MAT4 of floats"));
-        }
-        if accessor.count < count {
-            return Err(accessor
-                .json
-                .need("count")?
-                .fault(format!("a matrix for each of the {count} joints")));
-        }
-        for (matrix, inverse) in out.iter_mut().zip(accessor.floats::<16>(budget)?) {
-            *matrix *= affine(inverse.map(f64::from), accessor.json, warnings)?;
-        }
-    }
-    Ok(out)
+/// The joints of a skin, and where they were bound.
+#[derive(Clone, Debug)]
+pub(crate) struct Skin {
+    /// Their nodes.
+    pub(crate) joints: Vec<usize>,
+    /// Their inverse bind matrices; empty where all are the identity.
+    inverse: Vec<DAffine3>,
 }
 
-/// The matrix of each of the `count` vertices of a primitive, from all of its `JOINTS_n` and `WEIGHTS_n`.
-pub(crate) fn vertex_matrices(
-    gltf: &Gltf,
-    attributes: Json<'_>,
-    count: usize,
-    joints: &[DAffine3],
-    budget: &mut Budget,
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<DAffine3>, AssetError> {
-    budget.charge(Of::ExpandedBytes, count.saturating_mul(size_of::<(DAffine3, f64)>()) as u64, || {
-        attributes.place()
-    })?;
-    let mut out = reserve(count)?;
-    out.resize(count, DAffine3::ZERO);
-    let mut sums: Vec<f64> = reserve(count)?;
-    sums.resize(count, 0.0);
-    let first = each_weight(gltf, attributes, joints.len(), budget, |v, joint, weight| {
-        let matrix = joints[joint];
-        out[v].matrix3 += matrix.matrix3 * weight;
-        out[v].translation += matrix.translation * weight;
-        sums[v] += weight;
-    })?;
-    normalise(&mut out, &sums, &first, joints, attributes, warnings);
-    Ok(out)
+impl Skin {
+    /// Reads a skin of a document with so many `nodes`.
+    pub(crate) fn read(
+        gltf: &Gltf,
+        skin: Json<'_>,
+        nodes: usize,
+        budget: &mut Budget,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Self, AssetError> {
+        let list = skin.need("joints")?;
+        let count = list.array()?.len();
+        if count == 0 {
+            return Err(list.fault("at least one joint"));
+        }
+        let bytes = count.saturating_mul(2 * size_of::<DAffine3>() + size_of::<usize>());
+        budget.charge(Of::ExpandedBytes, bytes as u64, || list.place())?;
+        let mut joints = reserve(count)?;
+        for joint in list.items()? {
+            joints.push(joint.index("node", nodes)?);
+        }
+        let mut inverse = Vec::new();
+        if let Some(reference) = skin.get("inverseBindMatrices")? {
+            let accessor = gltf.accessor(reference)?;
+            if accessor.component != Component::F32 || accessor.lanes != 16 {
+                return Err(accessor
+                    .json
+                    .found("an accessor of another type", "inverse bind matrices: MAT4 of floats"));
+            }
+            if accessor.count < count {
+                return Err(accessor
+                    .json
+                    .need("count")?
+                    .fault(format!("a matrix for each of the {count} joints")));
+            }
+            inverse = reserve(count)?;
+            for matrix in accessor.floats::<16>(budget)?.iter().take(count) {
+                inverse.push(affine(matrix.map(f64::from), accessor.json, warnings)?);
+            }
+        }
+        Ok(Self { joints, inverse })
+    }
+
+    /// The matrices of the joints, joint world × inverse bind, where the nodes are at `world`.
+    pub(crate) fn matrices_into(&self, world: &[DAffine3], out: &mut Vec<DAffine3>) {
+        out.clear();
+        out.extend(self.joints.iter().map(|&joint| world[joint]));
+        for (matrix, inverse) in out.iter_mut().zip(&self.inverse) {
+            *matrix *= *inverse;
+        }
+    }
 }
 
-/// Visits vertex, joint and weight of all `JOINTS_n` and `WEIGHTS_n` in their order; joints are below `joints`. Gives
-/// the joints of the first set, of which the first one holds a vertex without any weight.
-pub(crate) fn each_weight(
+/// How the vertices of a primitive hang on the joints of its skin.
+#[derive(Clone, Debug)]
+pub(crate) struct Influences {
+    /// Joints of the skin and their weights as the file has them, vertex after vertex. A vertex has at least one; a
+    /// weight is above 0.
+    list: Vec<(u32, f32)>,
+    /// Where those of each vertex end.
+    ends: Vec<usize>,
+}
+
+impl Influences {
+    /// Reads all `JOINTS_n` and `WEIGHTS_n` of a primitive of `count` vertices; joints are below `joints`. A vertex
+    /// without any weight hangs on its first joint.
+    pub(crate) fn read(
+        gltf: &Gltf,
+        attributes: Json<'_>,
+        count: usize,
+        joints: usize,
+        budget: &mut Budget,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Self, AssetError> {
+        let sets = sets(gltf, attributes, joints, budget)?;
+        let each = size_of::<usize>() + sets.len().saturating_mul(4 * size_of::<(u32, f32)>());
+        budget.charge(Of::ExpandedBytes, count.saturating_mul(each) as u64, || attributes.place())?;
+        let above = sets.iter().flat_map(|(_, weights)| weights.as_flattened()).filter(|&&w| w > 0.0).count();
+        let mut out = Self { list: reserve(above.saturating_add(count))?, ends: reserve(count)? };
+        let (mut off, mut none) = (0_usize, 0_usize);
+        for v in 0..count {
+            let mut sum = 0.0;
+            for (indices, weights) in &sets {
+                let (Some(indices), Some(weights)) = (indices.get(v), weights.get(v)) else { continue };
+                let pairs = indices.iter().copied().zip(weights.iter().copied());
+                out.list.extend(pairs.filter(|&(_, weight)| weight > 0.0));
+                sum += weights.iter().map(|&weight| f64::from(weight)).sum::<f64>();
+            }
+            if sum <= 0.0 {
+                none += 1;
+                let first = sets.first().and_then(|(indices, _)| indices.get(v));
+                out.list.push((first.map_or(0, |indices| indices[0]), 1.0));
+            } else {
+                off += usize::from((sum - 1.0).abs() > WEIGHT_SLACK);
+            }
+            out.ends.push(out.list.len());
+        }
+        warn(off, none, attributes, warnings);
+        Ok(out)
+    }
+
+    /// The joints of a vertex and their weights, which need not add up to 1.
+    pub(crate) fn of(&self, vertex: usize) -> &[(u32, f32)] {
+        let first = if vertex == 0 { 0 } else { self.ends[vertex - 1] };
+        &self.list[first..self.ends[vertex]]
+    }
+
+    /// The matrix of a vertex, from the matrices of the joints.
+    pub(crate) fn matrix(&self, vertex: usize, joints: &[DAffine3]) -> DAffine3 {
+        let mut out = DAffine3::ZERO;
+        let mut sum = 0.0;
+        for &(joint, weight) in self.of(vertex) {
+            let (matrix, weight) = (&joints[joint as usize], f64::from(weight));
+            out.matrix3 += matrix.matrix3 * weight;
+            out.translation += matrix.translation * weight;
+            sum += weight;
+        }
+        if sum != 1.0 {
+            out.matrix3 *= 1.0 / sum;
+            out.translation /= sum;
+        }
+        out
+    }
+}
+
+/// Joints and weights of each vertex, four at a time.
+type Set = (Vec<[u32; 4]>, Vec<[f32; 4]>);
+
+fn sets(
     gltf: &Gltf,
     attributes: Json<'_>,
     joints: usize,
     budget: &mut Budget,
-    mut visit: impl FnMut(usize, usize, f64),
-) -> Result<Vec<[u32; 4]>, AssetError> {
-    let mut first = Vec::new();
+) -> Result<Vec<Set>, AssetError> {
+    let mut out = Vec::new();
     for set in 0.. {
         let (joint_key, weight_key) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));
         if set > 0 && attributes.value().get(&joint_key).is_none() {
             break;
         }
         let indices = joint_indices(gltf, find(attributes, &joint_key)?, joints, budget)?;
-        let weights = joint_weights(gltf, find(attributes, &weight_key)?, budget)?;
-        for (v, (indices, weights)) in indices.iter().zip(&weights).enumerate() {
-            for (&joint, &weight) in indices.iter().zip(weights) {
-                visit(v, joint as usize, f64::from(weight));
-            }
-        }
-        if set == 0 {
-            first = indices;
-        }
+        out.push((indices, joint_weights(gltf, find(attributes, &weight_key)?, budget)?));
     }
-    Ok(first)
+    Ok(out)
 }
 
 fn find<'a>(attributes: Json<'a>, key: &str) -> Result<Json<'a>, AssetError> {
@@ -153,28 +213,8 @@ fn joint_weights(gltf: &Gltf, reference: Json<'_>, budget: &mut Budget) -> Resul
     }
 }
 
-/// Divides by the sums of the weights. Without any weight a vertex hangs on its first joint.
-fn normalise(
-    matrices: &mut [DAffine3],
-    sums: &[f64],
-    first: &[[u32; 4]],
-    joints: &[DAffine3],
-    attributes: Json<'_>,
-    warnings: &mut Vec<Warning>,
-) {
-    let (mut off, mut none) = (0_usize, 0_usize);
-    for ((matrix, &sum), indices) in matrices.iter_mut().zip(sums).zip(first) {
-        if sum <= 0.0 {
-            none += 1;
-            *matrix = joints[indices[0] as usize];
-            continue;
-        }
-        off += usize::from((sum - 1.0).abs() > WEIGHT_SLACK);
-        if sum != 1.0 {
-            matrix.matrix3 *= 1.0 / sum;
-            matrix.translation /= sum;
-        }
-    }
+/// Tells of `off` vertices whose weights do not add up, and of `none` that have none.
+fn warn(off: usize, none: usize, attributes: Json<'_>, warnings: &mut Vec<Warning>) {
     if off > 0 {
         let message = format!("the weights of {off} vertices do not add up to 1; they are normalised");
         warnings.push(Warning::new("weights-sum", attributes.place(), message));
@@ -183,17 +223,4 @@ fn normalise(
         let message = format!("{none} vertices have no weight at all; each is bound to its first joint");
         warnings.push(Warning::new("weights-zero", attributes.place(), message));
     }
-}
-
-/// The inverse of the linear part of `matrix`, unless it is singular.
-pub(crate) fn inverse(matrix: &DAffine3) -> Option<DMat3> {
-    /// A volume this small, of the box that the columns would span if they were perpendicular, means that a whole
-    /// direction is lost: displacements along it would be blown up by the inverse.
-    const SINGULAR: f64 = 1e-9;
-    let m = matrix.matrix3;
-    let size = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length);
-    let box_volume = size.iter().product::<f64>();
-    let largest = size.iter().copied().fold(0.0, f64::max);
-    let flat = size.iter().any(|&s| s < SINGULAR * largest) || m.determinant().abs() < SINGULAR * box_volume;
-    (largest > 0.0 && box_volume > 0.0 && !flat).then(|| m.inverse()).filter(DMat3::is_finite)
 }

@@ -1,0 +1,51 @@
+//! Between the space of a mesh and the world: where vertices are, which way their normals point, and back.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+/// The linear part of a transform, both ways; nothing for the inverse of a singular one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    /// Takes displacements back.
+    pub(crate) inverse: Option<DMat3>,
+    /// Takes normals back, but for their length: the transpose of the linear part.
+    pub(crate) transpose: DMat3,
+}
+
+impl Way {
+    pub(crate) fn new(matrix: &DAffine3) -> Self {
+        Self { inverse: inverse(matrix), transpose: matrix.matrix3.transpose() }
+    }
+
+    /// A normal of the mesh in the world.
+    pub(crate) fn normal(&self, n: DVec3) -> [f32; 3] {
+        let world = self.inverse.map_or(n, |inverse| inverse.transpose() * n);
+        single(world.normalize_or_zero())
+    }
+}
+
+/// The inverse of the linear part of `matrix`, unless it is singular.
+fn inverse(matrix: &DAffine3) -> Option<DMat3> {
+    /// A volume this small, of the box that the columns would span if they were perpendicular, means that a whole
+    /// direction is lost: displacements along it would be blown up by the inverse.
+    const SINGULAR: f64 = 1e-9;
+    let m = matrix.matrix3;
+    let size = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length);
+    let box_volume = size.iter().product::<f64>();
+    let largest = size.iter().copied().fold(0.0, f64::max);
+    let flat = size.iter().any(|&s| s < SINGULAR * largest) || m.determinant().abs() < SINGULAR * box_volume;
+    (largest > 0.0 && box_volume > 0.0 && !flat).then(|| m.inverse()).filter(DMat3::is_finite)
+}
+
+/// Where `matrix` takes a vertex of a mesh; nothing where floats do not reach.
+pub(crate) fn place(matrix: &DAffine3, vertex: DVec3) -> Result<[f32; 3], &'static str> {
+    let world = single(matrix.transform_point3(vertex));
+    if world.iter().all(|c| c.is_finite()) { Ok(world) } else { Err("a vertex beyond the range of floats") }
+}
+
+pub(crate) fn double(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
+}
+
+pub(crate) fn single(v: DVec3) -> [f32; 3] {
+    v.to_array().map(|c| c as f32)
+}
