@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use wirework_asset::{AssetError, ErrorClass, Gltf, Limits, Obj, Rest};
+use wirework_asset::{AssetError, Block, ErrorClass, Gltf, Limits, Obj, Rest};
 
 mod oracle;
 
@@ -37,7 +37,7 @@ fn every_real_file_is_read_as_another_reader_reads_it() {
     let Some(shared) = shared() else { return };
     let mut list = Vec::new();
     files(&shared.join("assets"), &mut list);
-    let (mut documents, mut meshes) = (0, 0);
+    let (mut documents, mut meshes, mut played) = (0, 0, 0);
     for path in list {
         let name = path.display().to_string();
         let extension = path.extension().unwrap().to_str().unwrap();
@@ -55,6 +55,7 @@ fn every_real_file_is_read_as_another_reader_reads_it() {
                 let gltf = Gltf::read(&path, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
                 let rest = gltf.rest().unwrap_or_else(|error| panic!("{error}"));
                 compare(&name, &rest, &gltf.to_glb().unwrap());
+                played += play(&name, &gltf, &rest);
                 documents += 1;
             }
             ("obj", _) => {
@@ -71,24 +72,62 @@ fn every_real_file_is_read_as_another_reader_reads_it() {
         }
     }
     assert!(documents >= 30 && meshes == 5, "{documents} documents, {meshes} meshes");
+    assert!(played >= 20, "{played} clips");
 }
 
 fn compare(name: &str, rest: &Rest, glb: &[u8]) {
     let shown = oracle::evaluate(glb, None, 0.0);
-    let diagonal = oracle::diagonal(&shown);
+    let normals: Vec<[f32; 3]> = rest.blocks.iter().flat_map(normals_of).collect();
+    compare_with(name, rest, &rest.positions, &normals, &shown);
+}
+
+/// The normals of a block, or zeros.
+fn normals_of(block: &Block) -> Vec<[f32; 3]> {
+    block.normals.clone().unwrap_or_else(|| vec![[0.0; 3]; block.count])
+}
+
+/// Plays all clips at times before, on, between and behind their keys, and gives how many there are.
+fn play(name: &str, gltf: &Gltf, rest: &Rest) -> usize {
+    let (mut positions, mut normals) = (Vec::new(), Vec::new());
+    let mut still = gltf.player(rest, None).unwrap_or_else(|error| panic!("{error}"));
+    still.pose_into(1.0, None, &mut positions, &mut normals).unwrap();
+    assert_eq!(positions, rest.positions, "{name}: without a clip it is the rest");
+    assert_eq!(normals, rest.blocks.iter().flat_map(normals_of).collect::<Vec<_>>(), "{name}");
+    let (clips, glb) = (gltf.clip_names().len(), gltf.to_glb().unwrap());
+    for clip in 0..clips {
+        let mut player = gltf.player(rest, Some(clip)).unwrap_or_else(|error| panic!("{error}"));
+        assert!(player.warnings().is_empty(), "{:?}", player.warnings());
+        let end = player.duration();
+        for seconds in [-1.0, 0.0, 0.37 * end, 0.83 * end, end, end + 1.0] {
+            player.pose_into(seconds, None, &mut positions, &mut normals).unwrap();
+            let shown = oracle::evaluate_clip(&glb, |_| Some(clip), seconds);
+            compare_with(&format!("{name}, clip {clip} at {seconds}"), rest, &positions, &normals, &shown);
+        }
+    }
+    clips
+}
+
+fn compare_with(
+    name: &str,
+    rest: &Rest,
+    positions: &[[f32; 3]],
+    normals: &[[f32; 3]],
+    shown: &[oracle::Shown],
+) {
+    let diagonal = oracle::diagonal(shown);
     assert_eq!(rest.parts.len(), shown.len(), "{name}");
-    for (part, shown) in rest.parts.iter().zip(&shown) {
+    for (part, shown) in rest.parts.iter().zip(shown) {
         let block = &rest.blocks[part.block];
         assert_eq!(
             (part.node, part.primitive, block.count),
             (shown.node, shown.primitive, shown.positions.len())
         );
         for (v, want) in shown.positions.iter().enumerate() {
-            let found = DVec3::from_array(rest.positions[block.first + v].map(f64::from));
+            let found = DVec3::from_array(positions[block.first + v].map(f64::from));
             assert!((found - *want).length() <= REST * diagonal, "{name}: vertex {v}: {found} for {want}");
         }
-        if let (Some(normals), Some(wanted)) = (&block.normals, &shown.normals) {
-            for (n, want) in normals.iter().zip(wanted) {
+        if let (Some(_), Some(wanted)) = (&block.normals, &shown.normals) {
+            for (n, want) in normals[block.first..].iter().zip(wanted) {
                 assert!(
                     (DVec3::from_array(n.map(f64::from)) - *want).length() < 1e-4,
                     "{name}: {n:?} {want}"
@@ -125,6 +164,7 @@ fn hostile_files_are_refused_or_accepted_as_the_table_says() {
                 gltf.joint_weights(&rest, &joints).expect("what the rest has read");
                 gltf.vertices_of_materials(&rest, &[0]).expect("what the rest has read");
                 let _ = (gltf.colors(&rest), gltf.mesh_nodes(&joints));
+                play_anyhow(&gltf, &rest);
                 let _ = gltf.to_glb()?;
             }
             Ok::<_, AssetError>(())
@@ -143,6 +183,20 @@ fn hostile_files_are_refused_or_accepted_as_the_table_says() {
     }
     assert!(wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
     assert!(count > 200, "{count} files");
+}
+
+/// Plays whatever can be played.
+fn play_anyhow(gltf: &Gltf, rest: &Rest) {
+    let (mut positions, mut normals) = (Vec::new(), Vec::new());
+    for clip in (0..gltf.clip_names().len()).map(Some).chain([None]) {
+        let Ok(mut player) = gltf.player(rest, clip) else { continue };
+        for seconds in [-1.0, 0.0, 0.5 * player.duration(), player.duration(), f64::NAN, f64::INFINITY] {
+            if player.pose_into(seconds, None, &mut positions, &mut normals).is_ok() {
+                assert_eq!((positions.len(), normals.len()), (rest.positions.len(), rest.positions.len()));
+                assert!(positions.as_flattened().iter().chain(normals.as_flattened()).all(|c| c.is_finite()));
+            }
+        }
+    }
 }
 
 #[test]

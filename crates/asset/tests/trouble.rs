@@ -32,9 +32,16 @@ fn full() -> make::Doc {
     primitive["indices"] = json!(indices);
     let times = doc.floats("SCALAR", &[0.0, 1.0]);
     let track = doc.floats("SCALAR", &[0.0, 1.0]);
+    let turns = doc.floats("VEC4", &[0.0, 0.0, 0.0, 1.0].repeat(6));
     doc.json["animations"] = json!([{
-        "samplers": [{ "input": times, "output": track }],
-        "channels": [{ "sampler": 0, "target": { "node": 2, "path": "weights" } }],
+        "samplers": [
+            { "input": times, "output": track },
+            { "input": times, "output": turns, "interpolation": "CUBICSPLINE" },
+        ],
+        "channels": [
+            { "sampler": 0, "target": { "node": 2, "path": "weights" } },
+            { "sampler": 1, "target": { "node": 1, "path": "rotation" } },
+        ],
     }]);
     doc
 }
@@ -46,6 +53,14 @@ fn use_it(glb: &[u8]) -> bool {
     let joints = gltf.joint_nodes();
     assert!(gltf.joint_weights(&rest, &joints).is_ok() && gltf.vertices_of_materials(&rest, &[0]).is_ok());
     let _ = (gltf.colors(&rest), gltf.mesh_nodes(&[0, 1]));
+    let (mut positions, mut normals) = (Vec::new(), Vec::new());
+    for clip in [None, Some(0)] {
+        let Ok(mut player) = gltf.player(&rest, clip) else { continue };
+        for seconds in [0.0, 0.5] {
+            let _ = player.pose_into(seconds, None, &mut positions, &mut normals);
+            assert!(positions.as_flattened().iter().all(|c| c.is_finite()));
+        }
+    }
     let moved: Vec<[f32; 3]> = rest.positions.iter().map(|p| [p[0], p[1] + 1.0, p[2]]).collect();
     let mut still = gltf.clone();
     let _ = still.set_still(&rest, &moved, None);

@@ -1,5 +1,7 @@
 //! Another evaluation of a GLB, with the `gltf` crate's reader and plain matrices: where each vertex of the default
-//! scene is when the weights of one clip are played.
+//! scene is when one clip is played.
+
+mod clip;
 
 use glam::{DMat4, DVec3, DVec4};
 
@@ -11,14 +13,27 @@ pub(crate) struct Shown {
     pub(crate) normals: Option<Vec<DVec3>>,
 }
 
-/// Evaluates the default scene of a GLB, with the weights of `clip` at `seconds` if there is a clip.
+/// Evaluates the default scene of a GLB, with the clip of that name at `seconds` if one is named.
 pub(crate) fn evaluate(glb: &[u8], clip: Option<&str>, seconds: f32) -> Vec<Shown> {
+    let index = |doc: &gltf::Document| {
+        clip.map(|name| doc.animations().position(|a| a.name() == Some(name)).expect("the clip"))
+    };
+    evaluate_clip(glb, index, f64::from(seconds))
+}
+
+/// Evaluates the default scene of a GLB, with the clip that `choose` gives.
+pub(crate) fn evaluate_clip(
+    glb: &[u8],
+    choose: impl FnOnce(&gltf::Document) -> Option<usize>,
+    seconds: f64,
+) -> Vec<Shown> {
     let doc = match gltf::Gltf::from_slice(glb) {
         Ok(doc) => doc,
         Err(_) => gltf::Gltf::from_slice_without_validation(glb).unwrap(),
     };
     let blob = doc.blob.as_deref().unwrap_or(&[]);
-    let clip = clip.map(|name| doc.animations().find(|a| a.name() == Some(name)).expect("the clip"));
+    let clip = choose(&doc.document).map(|index| doc.animations().nth(index).expect("the clip"));
+    let moment = clip::Moment { clip, blob, seconds };
     let scene = doc.default_scene().or_else(|| doc.scenes().next()).expect("a scene");
     let mut worlds = vec![DMat4::IDENTITY; doc.nodes().count()];
     let children: Vec<usize> =
@@ -26,7 +41,7 @@ pub(crate) fn evaluate(glb: &[u8], clip: Option<&str>, seconds: f32) -> Vec<Show
     let mut stack: Vec<(gltf::Node<'_>, DMat4)> =
         doc.nodes().filter(|n| !children.contains(&n.index())).map(|n| (n, DMat4::IDENTITY)).collect();
     while let Some((node, parent)) = stack.pop() {
-        worlds[node.index()] = parent * local(&node);
+        worlds[node.index()] = parent * moment.local(&node);
         stack.extend(node.children().map(|child| (child, worlds[node.index()])));
     }
     let mut out = Vec::new();
@@ -38,47 +53,12 @@ pub(crate) fn evaluate(glb: &[u8], clip: Option<&str>, seconds: f32) -> Vec<Show
         stack.extend(kids);
         let Some(mesh) = node.mesh() else { continue };
         let own = node.weights().or_else(|| mesh.weights()).map(<[f32]>::to_vec);
-        let played = clip.as_ref().and_then(|clip| weights_at(clip, node.index(), blob, seconds));
-        let weights = played.or(own).unwrap_or_default();
+        let weights = moment.weights(node.index()).or(own).unwrap_or_default();
         for primitive in mesh.primitives() {
             out.push(show(&node, &primitive, &weights, &worlds, blob));
         }
     }
     out
-}
-
-fn local(node: &gltf::Node<'_>) -> DMat4 {
-    match node.transform() {
-        gltf::scene::Transform::Matrix { matrix } => {
-            DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)))
-        }
-        gltf::scene::Transform::Decomposed { translation, rotation, scale } => {
-            let q = glam::DQuat::from_array(rotation.map(f64::from)).normalize();
-            let t = DVec3::from_array(translation.map(f64::from));
-            DMat4::from_scale_rotation_translation(DVec3::from_array(scale.map(f64::from)), q, t)
-        }
-    }
-}
-
-fn weights_at(clip: &gltf::Animation<'_>, node: usize, blob: &[u8], seconds: f32) -> Option<Vec<f32>> {
-    let channel = clip.channels().find(|c| {
-        c.target().node().index() == node
-            && c.target().property() == gltf::animation::Property::MorphTargetWeights
-    })?;
-    let reader = channel.reader(|_| Some(blob));
-    let times: Vec<f32> = reader.read_inputs()?.collect();
-    let gltf::animation::util::ReadOutputs::MorphTargetWeights(values) = reader.read_outputs()? else {
-        return None;
-    };
-    let values: Vec<f32> = values.into_f32().collect();
-    let count = values.len() / times.len();
-    let after = times.partition_point(|&t| t <= seconds).clamp(1, times.len().max(2) - 1);
-    if times.len() == 1 {
-        return Some(values);
-    }
-    let x = ((seconds - times[after - 1]) / (times[after] - times[after - 1])).clamp(0.0, 1.0);
-    let at = |key: usize, k: usize| values[key * count + k];
-    Some((0..count).map(|k| at(after - 1, k) * (1.0 - x) + at(after, k) * x).collect())
 }
 
 fn show(
