@@ -130,8 +130,11 @@ impl Gltf {
         Ok(Accessor { index, json, count, component, lanes, normalized, base, sparse })
     }
 
-    /// The bytes of the view that `reference` names, and its stride if it has one.
-    fn view<'a>(&'a self, reference: Json<'_>) -> Result<(&'a [u8], usize, Option<usize>), AssetError> {
+    /// The bytes of the view that `reference` names, the first of them, and its stride if it has one.
+    pub(crate) fn view<'a>(
+        &'a self,
+        reference: Json<'_>,
+    ) -> Result<(&'a [u8], usize, Option<usize>), AssetError> {
         let (_, view) = self.follow("bufferViews", reference)?;
         let buffer = view.need("buffer")?.index("buffer", self.buffers.len())?;
         let buffer = self.buffers.get(buffer).ok_or_else(|| view.fault("a buffer"))?;

@@ -248,16 +248,22 @@ impl Gltf {
     fn load_uri(&self, uri: Json<'_>, budget: &mut Budget) -> Result<(Vec<u8>, Source), AssetError> {
         match uri::parse(uri.string()?).map_err(|expected| uri.fault(expected))? {
             uri::Target::Data(_, bytes) => Ok((bytes, Source::Data)),
-            uri::Target::File(relative) => {
-                let folder =
-                    self.folder.as_deref().ok_or_else(|| uri.fault("data in the document itself"))?;
-                let bytes = uri::read_below(folder, &relative, budget);
-                bytes.map(|bytes| (bytes, Source::File)).map_err(|mut error| {
-                    error.place = uri.place();
-                    error
-                })
-            }
+            uri::Target::File(path) => Ok((self.read_beside(uri, &path, budget)?, Source::File)),
         }
+    }
+
+    /// Reads the file below the folder of the document that `uri` names by `path`.
+    pub(crate) fn read_beside(
+        &self,
+        uri: Json<'_>,
+        path: &Path,
+        budget: &mut Budget,
+    ) -> Result<Vec<u8>, AssetError> {
+        let folder = self.folder.as_deref().ok_or_else(|| uri.fault("data in the document itself"))?;
+        uri::read_below(folder, path, budget).map_err(|mut error| {
+            error.place = uri.place();
+            error
+        })
     }
 }
 

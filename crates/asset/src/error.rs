@@ -105,6 +105,12 @@ impl Warning {
     pub(crate) fn new(code: &'static str, place: Place, message: impl Into<String>) -> Self {
         Self { code, place, message: message.into() }
     }
+
+    /// The warning that an error is passed over, and what was `done` instead.
+    pub fn instead(error: &AssetError, code: &'static str, done: &str) -> Self {
+        let message = format!("found {}, expected {}; {done}", error.found, error.expected);
+        Self { code, place: error.place.clone(), message }
+    }
 }
 
 impl fmt::Display for Warning {

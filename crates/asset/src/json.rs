@@ -4,8 +4,9 @@ use serde_json::Value;
 
 use crate::error::{AssetError, Place};
 
-/// The deepest place that is read is `/meshes/0/primitives/0/targets/0/POSITION`; deeper pointers are cut here.
-const DEEPEST: usize = 8;
+/// The deepest place that is read is a number in the transform of a texture of an extension of a material; deeper
+/// pointers are cut here.
+const DEEPEST: usize = 9;
 
 /// The largest whole number that every JSON reader keeps exactly.
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;

@@ -168,7 +168,7 @@ impl Gltf {
         }
         let mut budget = Budget::new(&self.limits);
         for index in 0..self.list("images").len() {
-            let Some((media, bytes)) = self.image(index, &mut budget) else { continue };
+            let Some((media, bytes)) = self.loose_image(index, &mut budget) else { continue };
             let offset = align(&mut bin);
             bin.extend_from_slice(&bytes);
             let view = push(
@@ -195,15 +195,10 @@ impl Gltf {
 
     /// An image that is not in a buffer view yet, and its media type. None where it cannot be taken in: it then
     /// stays as it is.
-    fn image(&self, index: usize, budget: &mut Budget) -> Option<(String, Vec<u8>)> {
-        let image = self.list("images").get(index)?;
-        let (stated, bytes) = match uri::parse(image.get("uri")?.as_str()?).ok()? {
-            uri::Target::Data(media, bytes) => (media, bytes),
-            uri::Target::File(path) => (None, uri::read_below(self.folder.as_deref()?, &path, budget).ok()?),
-        };
-        let own = image.get("mimeType").and_then(Value::as_str).map(str::to_owned);
-        let media = media_type(&bytes).map(str::to_owned).or(own).or(stated)?;
-        (!bytes.is_empty()).then_some((media, bytes))
+    fn loose_image(&self, index: usize, budget: &mut Budget) -> Option<(String, Vec<u8>)> {
+        self.list("images").get(index)?.get("uri")?;
+        let image = self.read_image(index, budget).ok()?;
+        Some((image.media_type?, image.bytes.into_owned()))
     }
 }
 
@@ -230,17 +225,6 @@ fn push(json: &mut Value, key: &str, value: Value) -> usize {
             table.len() - 1
         }
         None => 0,
-    }
-}
-
-/// The media type that the first bytes of an image say.
-fn media_type(bytes: &[u8]) -> Option<&'static str> {
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
-        [0xff, 0xd8, 0xff, ..] => Some("image/jpeg"),
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some("image/webp"),
-        [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => Some("image/ktx2"),
-        _ => None,
     }
 }
 

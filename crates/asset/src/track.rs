@@ -68,7 +68,7 @@ impl Track {
         let times = times(gltf, sampler.need("input")?, budget, warnings)?;
         let output = gltf.accessor(sampler.need("output")?)?;
         let lanes = path.lanes();
-        let each = lanes.saturating_mul(if interpolation == Interpolation::Cubic { 3 } else { 1 });
+        let each = lanes.saturating_mul(interpolation.parts());
         // The accessor of weights has one element a weight, the others one a value.
         let elements = each / if matches!(path, Path::Weights(_)) { 1 } else { lanes };
         let expected = times.len().saturating_mul(elements);
@@ -150,14 +150,22 @@ impl Track {
         }
     }
 
+    /// Number `k` of the value of a key, which stands between its tangents where it has them.
     fn value(&self, key: usize, k: usize) -> f64 {
-        self.part(key, if self.interpolation == Interpolation::Cubic { 1 } else { 0 }, k)
+        self.part(key, self.interpolation.parts() / 2, k)
     }
 
-    /// Number `k` of one of the values of a key.
+    /// Number `k` of a value or tangent of a key.
     fn part(&self, key: usize, part: usize, k: usize) -> f64 {
-        let parts = if self.interpolation == Interpolation::Cubic { 3 } else { 1 };
-        self.values.get((key * parts + part) * self.lanes + k).map_or(0.0, |&value| f64::from(value))
+        let at = (key * self.interpolation.parts() + part) * self.lanes + k;
+        self.values.get(at).map_or(0.0, |&value| f64::from(value))
+    }
+}
+
+impl Interpolation {
+    /// How many values a key has.
+    fn parts(self) -> usize {
+        if self == Self::Cubic { 3 } else { 1 }
     }
 }
 

@@ -56,6 +56,7 @@ fn every_real_file_is_read_as_another_reader_reads_it() {
                 let rest = gltf.rest().unwrap_or_else(|error| panic!("{error}"));
                 compare(&name, &rest, &gltf.to_glb().unwrap());
                 played += play(&name, &gltf, &rest);
+                assert_eq!(look_at(&gltf, &rest), [] as [String; 0], "{name}");
                 documents += 1;
             }
             ("obj", _) => {
@@ -165,6 +166,7 @@ fn hostile_files_are_refused_or_accepted_as_the_table_says() {
                 gltf.vertices_of_materials(&rest, &[0]).expect("what the rest has read");
                 let _ = (gltf.colors(&rest), gltf.mesh_nodes(&joints));
                 play_anyhow(&gltf, &rest);
+                look_at(&gltf, &rest);
                 let _ = gltf.to_glb()?;
             }
             Ok::<_, AssetError>(())
@@ -197,6 +199,24 @@ fn play_anyhow(gltf: &Gltf, rest: &Rest) {
             }
         }
     }
+}
+
+/// Reads all that is seen but the shape, and gives what is wrong with it.
+fn look_at(gltf: &Gltf, rest: &Rest) -> Vec<String> {
+    let (looks, warnings) = gltf.looks(rest);
+    assert_eq!(looks.len(), rest.parts.len());
+    let mut out: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    for (part, look) in looks.iter().enumerate() {
+        let Some(texture) = &look.texture else { continue };
+        let uvs = gltf.texture_coordinates(rest, part, texture);
+        out.extend(uvs.err().map(|error| error.to_string()));
+        out.extend(gltf.image(texture.image).err().map(|error| error.to_string()));
+    }
+    for stroke in gltf.strokes(rest).expect("what the rest has read") {
+        assert!(stroke.points.iter().all(|&point| (point as usize) < rest.positions.len()));
+        assert!(stroke.lines().all(|line| line.len() > 1));
+    }
+    out
 }
 
 #[test]

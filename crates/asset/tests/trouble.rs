@@ -17,6 +17,14 @@ fn full() -> make::Doc {
     let weights = doc.floats("VEC4", &[0.5, 0.5, 0.0, 0.0].repeat(3));
     let colors = doc.floats("VEC3", &[0.0, 0.5, 1.0].repeat(3));
     let deltas = doc.floats("VEC3", &[0.0, 0.0, 2.0].repeat(3));
+    let uvs = doc.floats("VEC2", &[0.25; 6]);
+    doc.json["images"] = json!([{ "uri": "data:image/png;base64,AQID" }]);
+    doc.json["samplers"] = json!([{ "wrapS": 33071 }]);
+    doc.json["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+    let transform = json!({ "KHR_texture_transform": { "offset": [0.5, 0], "rotation": 1, "texCoord": 0 } });
+    doc.json["materials"] = json!([{ "alphaMode": "MASK", "pbrMetallicRoughness": {
+        "baseColorFactor": [1, 1, 1, 1], "baseColorTexture": { "index": 0, "extensions": transform },
+    } }]);
     let indices =
         doc.accessor(json!({ "componentType": 5123, "type": "SCALAR", "count": 3 }), &[0, 0, 1, 0, 2, 0]);
     let (at, values) = (doc.view(&[1]), doc.view(&7.0_f32.to_le_bytes().repeat(3)));
@@ -30,6 +38,8 @@ fn full() -> make::Doc {
     primitive["attributes"]["COLOR_0"] = json!(colors);
     primitive["targets"] = json!([{ "POSITION": deltas }]);
     primitive["indices"] = json!(indices);
+    primitive["attributes"]["TEXCOORD_0"] = json!(uvs);
+    primitive["material"] = json!(0);
     let times = doc.floats("SCALAR", &[0.0, 1.0]);
     let track = doc.floats("SCALAR", &[0.0, 1.0]);
     let turns = doc.floats("VEC4", &[0.0, 0.0, 0.0, 1.0].repeat(6));
@@ -53,6 +63,12 @@ fn use_it(glb: &[u8]) -> bool {
     let joints = gltf.joint_nodes();
     assert!(gltf.joint_weights(&rest, &joints).is_ok() && gltf.vertices_of_materials(&rest, &[0]).is_ok());
     let _ = (gltf.colors(&rest), gltf.mesh_nodes(&[0, 1]));
+    let (looks, _) = gltf.looks(&rest);
+    for (part, look) in looks.iter().enumerate() {
+        let Some(texture) = &look.texture else { continue };
+        let _ = (gltf.texture_coordinates(&rest, part, texture), gltf.image(texture.image).is_ok());
+    }
+    assert!(gltf.strokes(&rest).is_ok());
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
     for clip in [None, Some(0)] {
         let Ok(mut player) = gltf.player(&rest, clip) else { continue };

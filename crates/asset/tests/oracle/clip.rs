@@ -21,8 +21,7 @@ impl Moment<'_> {
         let reader = channel.reader(|_| Some(self.blob));
         let times: Vec<f64> = reader.read_inputs()?.map(f64::from).collect();
         let values: Vec<f32> = match reader.read_outputs()? {
-            ReadOutputs::Translations(values) => values.flatten().collect(),
-            ReadOutputs::Scales(values) => values.flatten().collect(),
+            ReadOutputs::Translations(values) | ReadOutputs::Scales(values) => values.flatten().collect(),
             ReadOutputs::Rotations(values) => values.into_f32().flatten().collect(),
             ReadOutputs::MorphTargetWeights(values) => values.into_f32().collect(),
         };
