@@ -11,7 +11,7 @@ use crate::document::Gltf;
 use crate::error::{AssetError, ErrorClass, Place, Warning};
 use crate::graph::{Graph, Pose};
 use crate::json::Json;
-use crate::limits::Budget;
+use crate::limits::{Budget, Of};
 use crate::rest::{Block, LocalDeltas, Part, Rest, default_weights};
 use crate::skin::{Influences, Skin};
 use crate::track::Path;
@@ -91,7 +91,6 @@ impl Gltf {
         for (block, part) in rest.blocks.iter().zip(rest.first_parts()) {
             let part = part.filter(|part| reader.fits(part, block) && block.first == first);
             let Some(part) = part else { return Err(other_document()) };
-            first += block.count;
             let skin = match graph.nodes[part.node].skin {
                 None => None,
                 Some(index) => Some(match known_skins.entry(index) {
@@ -107,6 +106,7 @@ impl Gltf {
                 slot.insert(reader.weights(part)?);
             }
             pieces.push(Piece { node: part.node, shape, skin });
+            first += block.count;
         }
         let Reader { skins, shapes, .. } = reader;
         let morphed = Local::default();
@@ -218,15 +218,18 @@ impl Player<'_> {
         normals: &mut Vec<[f32; 3]>,
     ) -> Result<(), AssetError> {
         self.settle(seconds)?;
-        positions.clear();
-        normals.clear();
-        let count = self.pieces.iter().map(|piece| self.shapes[piece.shape].base.positions.len()).sum();
-        for out in [&mut *positions, &mut *normals] {
-            let fault =
-                || AssetError::file("vertices beyond the memory", "fewer").of_class(ErrorClass::Limit);
-            out.try_reserve(count).map_err(|_| fault())?;
-        }
+        let count: usize =
+            self.pieces.iter().map(|piece| self.shapes[piece.shape].base.positions.len()).sum();
         let mut budget = Budget::new(&self.gltf.limits);
+        // Positions and normals, and once more those that are morphed.
+        budget.charge(Of::ExpandedBytes, count as u64 * 48, || Place::File)?;
+        for out in [&mut *positions, &mut *normals] {
+            out.clear();
+            out.try_reserve(count).map_err(|_| {
+                AssetError::file(format!("{count} vertices"), "vertices that fit into memory")
+                    .of_class(ErrorClass::Limit)
+            })?;
+        }
         for (index, piece) in self.pieces.iter().enumerate() {
             let shape = &self.shapes[piece.shape];
             let weights = self.weights.get(&piece.node).map_or(&[][..], Vec::as_slice);

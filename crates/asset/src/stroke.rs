@@ -53,11 +53,12 @@ impl Gltf {
         let primitive = self.primitive(part)?;
         let indices = self.indices(primitive, count, budget)?;
         let length = indices.as_ref().map_or(count, Vec::len);
-        let at = |i: usize| first as u32 + indices.as_ref().map_or(i as u32, |indices| indices[i]);
+        let at = |i: usize| (first as u32).saturating_add(indices.as_ref().map_or(i as u32, |list| list[i]));
         // A vertex and an end each, and one more that closes a loop.
-        let bytes = (length as u64 + 1).saturating_mul(size_of::<(u32, usize)>() as u64);
+        let bytes = (length as u64).saturating_add(1).saturating_mul(size_of::<(u32, usize)>() as u64);
         budget.charge(Of::ExpandedBytes, bytes, || primitive.place())?;
-        let mut out = Stroke { part: index, points: reserve(length + 1)?, line_ends: Vec::new() };
+        let mut out =
+            Stroke { part: index, points: reserve(length.saturating_add(1))?, line_ends: Vec::new() };
         match part.mode {
             Mode::Lines => {
                 out.line_ends = reserve(length / 2)?;
