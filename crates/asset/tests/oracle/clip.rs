@@ -9,6 +9,8 @@ pub(super) struct Moment<'a> {
     pub(super) clip: Option<gltf::Animation<'a>>,
     pub(super) blob: &'a [u8],
     pub(super) seconds: f64,
+    /// Whether nodes move too, or weights only.
+    pub(super) nodes: bool,
 }
 
 impl Moment<'_> {
@@ -39,7 +41,8 @@ impl Moment<'_> {
         }
         let (translation, rotation, scale) = node.transform().decomposed();
         let value = |property, rest: &[f32]| {
-            self.of(node.index(), property).unwrap_or_else(|| rest.iter().map(|&x| f64::from(x)).collect())
+            let played = if self.nodes { self.of(node.index(), property) } else { None };
+            played.unwrap_or_else(|| rest.iter().map(|&x| f64::from(x)).collect())
         };
         let t = DVec3::from_slice(&value(Property::Translation, &translation));
         let q = DQuat::from_slice(&value(Property::Rotation, &rotation)).normalize();

@@ -13,19 +13,21 @@ pub(crate) struct Shown {
     pub(crate) normals: Option<Vec<DVec3>>,
 }
 
-/// Evaluates the default scene of a GLB, with the clip of that name at `seconds` if one is named.
+/// Evaluates the default scene of a GLB, with the weights of the clip of that name at `seconds` if one is named.
+/// Nodes stay where they are at rest, so that what an effect added can be told from what else the clip moves.
 pub(crate) fn evaluate(glb: &[u8], clip: Option<&str>, seconds: f32) -> Vec<Shown> {
     let index = |doc: &gltf::Document| {
         clip.map(|name| doc.animations().position(|a| a.name() == Some(name)).expect("the clip"))
     };
-    evaluate_clip(glb, index, f64::from(seconds))
+    evaluate_clip(glb, index, f64::from(seconds), false)
 }
 
-/// Evaluates the default scene of a GLB, with the clip that `choose` gives.
+/// Evaluates the default scene of a GLB, with the clip that `choose` gives; with its tracks of `nodes` or without.
 pub(crate) fn evaluate_clip(
     glb: &[u8],
     choose: impl FnOnce(&gltf::Document) -> Option<usize>,
     seconds: f64,
+    nodes: bool,
 ) -> Vec<Shown> {
     let doc = match gltf::Gltf::from_slice(glb) {
         Ok(doc) => doc,
@@ -33,7 +35,7 @@ pub(crate) fn evaluate_clip(
     };
     let blob = doc.blob.as_deref().unwrap_or(&[]);
     let clip = choose(&doc.document).map(|index| doc.animations().nth(index).expect("the clip"));
-    let moment = clip::Moment { clip, blob, seconds };
+    let moment = clip::Moment { clip, blob, seconds, nodes };
     let scene = doc.default_scene().or_else(|| doc.scenes().next()).expect("a scene");
     let mut worlds = vec![DMat4::IDENTITY; doc.nodes().count()];
     let children: Vec<usize> =
