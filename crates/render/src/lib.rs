@@ -59,7 +59,7 @@ mod tone;
 
 pub use camera::{Camera, Framing, View};
 pub use compose::{Corner, caption, row};
-pub use encode::{EncodeError, png};
+pub use encode::{Animation, AnimationKind, EncodeError, png};
 pub use error::RenderError;
 pub use legend::legend;
 pub use renderer::{Picture, Renderer, render};

@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 /// The order in which the 16 pixels of a tile take their turns: neighbours are far apart in it (a Bayer matrix).
-const TURN: [[usize; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
+pub(crate) const TURN: [[usize; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
 
 /// A set of points in the unit disc, each with a number from 0 to 1.
 pub(crate) struct Pattern {
