@@ -40,11 +40,7 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     let job = Job { max_frames: args.limits.max_frames.unwrap_or(job.max_frames), ..job };
     let report = wirework::apply(&job, &mut |progress| console.progress(progress)).map_err(|error| {
         console.end_progress();
-        if let JobError::Strict(warnings) = &error {
-            for warning in warnings {
-                console.fail(warning);
-            }
-        }
+        console.fail_strict(&error);
         diagnostics::fail(console, &preset, error)
     })?;
     tell(console, args, &report)?;

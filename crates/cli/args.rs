@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use wirework::render::View;
 
 /// What stands below the help: the exit codes.
 const EXIT_CODES: &str = "Exit codes:
@@ -54,6 +55,8 @@ pub(crate) enum ProgressKind {
 pub(crate) enum Command {
     /// Apply a preset to a model, and write an animation or a still
     Apply(Box<Apply>),
+    /// Render a preset or a model: a picture, a row of moments, an animation
+    Render(Box<Render>),
     /// Check presets: syntax, values, and whether they fit their own objects or a model; nothing is written
     Check(Check),
     /// Print a preset to begin with: every field, its default, and what it does
@@ -131,6 +134,67 @@ pub(crate) enum Bake {
     Frames,
     /// Joint tracks; not available in this version
     Skin,
+}
+
+#[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
+pub(crate) struct Render {
+    /// A preset, .ron or `-` for standard input, or a model, .glb, .gltf or .obj
+    pub(crate) shown: PathBuf,
+    /// The model under a preset; takes the place of the preset's own object
+    pub(crate) input: Option<PathBuf>,
+    /// The file to write: .png, with `####` in its name a .png a frame, .gif or .apng
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// The moment to show. Default: of one picture the moment at which the effect has moved most
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) at: Option<f64>,
+    /// Only frames A up to, but not including, B. Default: from 0 to the end of the effect
+    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with = "at")]
+    pub(crate) frames: Option<Range<u32>>,
+    /// Frames a second
+    #[arg(long, default_value_t = 24.0, value_name = "RATE", value_parser = positive)]
+    pub(crate) fps: f64,
+    /// Pixels of each picture. Default: 960x540, of animations 640x360, in a sheet 400x300, in a comparison 640x480
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// The side it is seen from: front, back, left, right, side (= right), top, bottom, three-quarter, or degrees about Y
+    /// from the front and over the horizon, such as 30,20
+    #[arg(long, default_value = "three-quarter", value_name = "VIEW", value_parser = view, allow_hyphen_values = true)]
+    pub(crate) view: View,
+    /// Where the camera stands instead, metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, conflicts_with = "view")]
+    pub(crate) eye: Option<[f32; 3]>,
+    /// What that camera looks at. Default: the middle of what is shown
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
+    pub(crate) target: Option<[f32; 3]>,
+    /// Nearer by this factor
+    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    pub(crate) zoom: Option<f64>,
+    /// Draw wires, references, domain curves, locators and lattices, with a legend
+    #[arg(long)]
+    pub(crate) wires: bool,
+    /// N moments in a row in one picture, from the first to the last; 6 without a number
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "6",
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) sheet: Option<u32>,
+    /// The state before the effect beside the one after it
+    #[arg(long)]
+    pub(crate) compare: bool,
+    /// Without shadows and occlusion, in a tenth of the time
+    #[arg(long)]
+    pub(crate) fast: bool,
+    /// The clip of the model that plays, by name or number. Default: the first of a model, none under a preset
+    #[arg(long, value_name = "NAME")]
+    pub(crate) clip: Option<String>,
+    /// How many threads work; the pictures do not depend on it. Default: one a processor
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
+    /// Take warnings as errors
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
 }
 
 #[derive(Debug, Args)]
@@ -217,6 +281,42 @@ fn positive(text: &str) -> Result<f64, String> {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("expected a number greater than 0".to_owned()),
     }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    sides.ok_or_else(|| "expected WIDTHxHEIGHT in pixels, such as 960x540".to_owned())
+}
+
+fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
+    let numbers: Option<Vec<f32>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect();
+    numbers?.try_into().ok()
+}
+
+fn point(text: &str) -> Result<[f32; 3], String> {
+    numbers(text).ok_or_else(|| "expected three numbers X,Y,Z, in metres".to_owned())
+}
+
+fn view(text: &str) -> Result<View, String> {
+    let around = |azimuth, elevation| View::Around { azimuth, elevation };
+    Ok(match text {
+        "front" => View::Front,
+        "side" | "right" => View::Side,
+        "top" => View::Top,
+        "three-quarter" => View::ThreeQuarter,
+        "back" => around(180.0, 0.0),
+        "left" => around(-90.0, 0.0),
+        "bottom" => around(0.0, -90.0),
+        degrees => match numbers(degrees) {
+            Some([azimuth, elevation]) if (-90.0..=90.0).contains(&elevation) => around(azimuth, elevation),
+            _ => {
+                return Err("expected front, back, left, right, side, top, bottom, three-quarter, or AZIMUTH,ELEVATION in \
+                            degrees, the latter from -90 to 90"
+                    .to_owned());
+            }
+        },
+    })
 }
 
 fn threads(text: &str) -> Result<usize, String> {

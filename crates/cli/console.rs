@@ -2,7 +2,7 @@
 
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
-use wirework::Progress;
+use wirework::{JobError, Progress};
 
 use crate::args::{ProgressKind, Talk};
 use crate::exit::Failure;
@@ -49,6 +49,15 @@ impl Console {
     pub(crate) fn fail(self, line: &str) {
         let (on, off) = if self.color { ("\u{1b}[1;31m", "\u{1b}[0m") } else { ("", "") };
         say(&format!("{on}error{off}: {line}"));
+    }
+
+    /// The warnings that were taken as errors.
+    pub(crate) fn fail_strict(self, error: &JobError) {
+        if let JobError::Strict(warnings) = error {
+            for warning in warnings {
+                self.fail(warning);
+            }
+        }
     }
 
     /// A warning, unless all is to be quiet.

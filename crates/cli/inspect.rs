@@ -1,7 +1,6 @@
 //! `wirework inspect`.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use serde::Serialize;
 use wirework::asset::printable;
@@ -13,7 +12,7 @@ use crate::exit::Failure;
 use crate::presets;
 
 pub(crate) fn run(console: Console, args: &Inspect) -> Result<(), Failure> {
-    if is_preset(&args.file) {
+    if presets::is_preset(&args.file) {
         let preset = presets::read(console, &args.file, &args.limits.preset(), false)?;
         let facts = PresetFacts::of(&preset.parsed);
         return print(if args.json { json(&facts)? } else { preset_table(&facts) }.as_bytes());
@@ -23,11 +22,6 @@ pub(crate) fn run(console: Console, args: &Inspect) -> Result<(), Failure> {
         console.warn(warning);
     }
     print(if args.json { json(&facts)? } else { asset_table(&facts) }.as_bytes())
-}
-
-fn is_preset(path: &Path) -> bool {
-    let ron = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
-    ron || path == Path::new("-")
 }
 
 fn json(facts: &impl Serialize) -> Result<String, Failure> {

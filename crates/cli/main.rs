@@ -10,6 +10,7 @@ mod exit;
 mod inspect;
 mod limits;
 mod presets;
+mod render;
 mod shell;
 
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
@@ -51,6 +52,7 @@ fn start() -> ExitCode {
 fn run(console: Console, command: &Command) -> Result<(), Failure> {
     match command {
         Command::Apply(args) => apply::run(console, args),
+        Command::Render(args) => render::run(console, args),
         Command::Check(args) => check::run(console, args),
         Command::New(args) => shell::new(args),
         Command::Inspect(args) => inspect::run(console, args),

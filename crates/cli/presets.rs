@@ -36,3 +36,9 @@ pub(crate) fn read(
 pub(crate) fn named(path: &Path) -> &Path {
     if path == Path::new("-") { Path::new("preset.ron") } else { path }
 }
+
+/// Whether a file that may be a preset or a model is a preset, by its name.
+pub(crate) fn is_preset(path: &Path) -> bool {
+    let ron = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron"));
+    ron || path == Path::new("-")
+}

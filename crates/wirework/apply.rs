@@ -182,6 +182,15 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     Ok(report)
 }
 
+/// Refuses a path in a folder that is not there.
+pub(crate) fn check_folder(path: &Path) -> Result<(), JobError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder.filter(|folder| !folder.is_dir()) {
+        Some(folder) => Err(JobError::NoFolder(folder.to_path_buf())),
+        None => Ok(()),
+    }
+}
+
 /// What to write; refuses what cannot be before any work is done.
 fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, JobError> {
     let request = |message: &str| Err(JobError::Request(message.to_owned()));
@@ -194,9 +203,8 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, JobError> {
     };
     job.source().guard(path, job.in_place)?;
     guard_report(job, path)?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder.filter(|folder| !job.dry_run && !folder.is_dir()) {
-        return Err(JobError::NoFolder(folder.to_path_buf()));
+    if !job.dry_run {
+        check_folder(path)?;
     }
     let name = wirework_asset::printable(&path.display().to_string());
     let Some(target) = Target::of(path) else {

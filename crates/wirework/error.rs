@@ -7,6 +7,7 @@ use wirework_asset::{AssetError, ErrorClass, printable};
 use wirework_bake::BakeError;
 use wirework_core::BindError;
 use wirework_preset::{ObjectError, PresetError, PresetErrorKind};
+use wirework_render::{EncodeError, RenderError};
 use wirework_surface::{MeshError, NearestError, NormalsError};
 use wirework_wrinkle::WrinkleError;
 
@@ -82,6 +83,18 @@ pub enum JobError {
     /// The request does not fit itself or the input.
     #[error("{0}")]
     Request(String),
+    /// A picture cannot be made.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A picture cannot be encoded.
+    #[error(transparent)]
+    Encode(#[from] EncodeError),
+    /// What is to be shown has no size, no area and no points.
+    #[error("there is nothing to see: expected a surface with an area, lines or points")]
+    NothingToSee {
+        /// Whether the object is made of numbers in the preset.
+        own: bool,
+    },
     /// There are warnings, and the request was to take them as errors.
     #[error("{} taken as errors, nothing was written", count(.0.len(), "warning"))]
     Strict(Vec<String>),
@@ -98,7 +111,10 @@ impl JobError {
     pub fn fault(&self) -> Fault {
         match self {
             Self::Asset(error) | Self::Bake(BakeError::Asset(error)) => of_asset(error),
-            Self::UnknownFile { .. } | Self::Mesh(_) | Self::Strict(_) => Fault::Asset,
+            Self::UnknownFile { .. }
+            | Self::Mesh(_)
+            | Self::Strict(_)
+            | Self::NothingToSee { own: false } => Fault::Asset,
             Self::Evaluate(error) => of_evaluation(error),
             Self::OwnObject(error) => match of_evaluation(error) {
                 Fault::Asset => Fault::Preset,
@@ -109,12 +125,19 @@ impl JobError {
             | Self::Preset(_)
             | Self::Object(_)
             | Self::OutOfRange { .. }
+            | Self::NothingToSee { own: true }
             | Self::Bake(BakeError::Frame { .. }) => Fault::Preset,
             Self::Schedule(ScheduleError::TooMany { .. }) | Self::Bake(BakeError::TooManyTargets { .. }) => {
                 Fault::Limit
             }
-            Self::Schedule(_) | Self::Request(_) => Fault::Request,
-            Self::Normals(_) | Self::Bake(_) | Self::NoFolder(_) | Self::Threads(..) => Fault::Work,
+            Self::Render(RenderError::Size { .. } | RenderError::Samples { .. }) => Fault::Limit,
+            Self::Schedule(_)
+            | Self::Request(_)
+            | Self::Render(_)
+            | Self::Encode(EncodeError::Fps { .. }) => Fault::Request,
+            Self::Encode(_) | Self::Normals(_) | Self::Bake(_) | Self::NoFolder(_) | Self::Threads(..) => {
+                Fault::Work
+            }
         }
     }
 }

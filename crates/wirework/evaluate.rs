@@ -10,7 +10,7 @@
 use std::time::Duration;
 
 use thiserror::Error;
-use wirework_core::{BindError, Lattice, LatticeError};
+use wirework_core::{BindError, Lattice, LatticeError, Wire};
 use wirework_preset::{BoundsFrame, Effect, Units};
 use wirework_surface::Bounds;
 use wirework_wrinkle::WrinkleError;
@@ -202,6 +202,16 @@ impl<'a> Evaluation<'a> {
     /// Whether an effect has a lattice in which no point lies.
     pub(crate) fn is_empty_lattice(&self, effect: usize) -> bool {
         self.stages.get(effect).is_some_and(Stage::is_empty_lattice)
+    }
+
+    /// The wires of all effects, as they were at the moment that was last worked out: those of a wrinkle along its creases.
+    pub fn wires(&self) -> impl Iterator<Item = &Wire> {
+        self.stages.iter().flat_map(|stage| &stage.wires)
+    }
+
+    /// The lattices of effects, as they were then: control points along X, Y and Z, and where they are, X fastest.
+    pub fn lattices(&self) -> impl Iterator<Item = ([usize; 3], &[[f32; 3]])> {
+        self.stages.iter().filter_map(Stage::lattice)
     }
 
     /// The points at rest.

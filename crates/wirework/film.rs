@@ -171,7 +171,7 @@ pub(crate) fn check_clip(model: &Model, wanted: &str) -> Result<(), JobError> {
 }
 
 /// The clip of a name, or else of a number.
-fn find_clip(gltf: &Gltf, wanted: &str) -> Result<usize, JobError> {
+pub(crate) fn find_clip(gltf: &Gltf, wanted: &str) -> Result<usize, JobError> {
     clip_of(&gltf.clip_names(), wanted)
 }
 

@@ -99,6 +99,7 @@
 //! [`schedule`] which times, [`apply`] all of it. Nothing here prints.
 
 mod apply;
+mod decode;
 mod error;
 mod evaluate;
 mod film;
@@ -107,6 +108,7 @@ mod mask;
 mod motion;
 mod net;
 mod output;
+mod picture;
 mod preset_file;
 mod reach;
 mod report;
@@ -121,6 +123,7 @@ pub use wirework_asset as asset;
 pub use wirework_bake as bake;
 pub use wirework_core as core;
 pub use wirework_preset as preset;
+pub use wirework_render as render;
 pub use wirework_surface as surface;
 pub use wirework_wrinkle as wrinkle;
 
@@ -137,6 +140,7 @@ pub use inspect::{
 };
 pub use mask::check_images;
 pub use net::ControlNet;
+pub use picture::{PictureJob, PictureReport, Shown, Viewpoint, picture};
 pub use preset_file::{PresetFile, PresetFileError, parse_preset, read_preset};
 pub use report::{NewClip, Report};
 pub use schedule::{Schedule, ScheduleError, When, schedule};

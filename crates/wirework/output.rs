@@ -47,7 +47,7 @@ impl Target {
 
 impl Pattern {
     /// The last run of at least four `#` in the name of the file.
-    fn of(path: &Path) -> Option<Self> {
+    pub(crate) fn of(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
         let end = name.rfind(&"#".repeat(MARKS))? + MARKS;
         let before = name.get(..end)?.trim_end_matches('#');

@@ -169,6 +169,11 @@ impl Stage {
         Ok(())
     }
 
+    /// The lattice's control points along each axis, and where they are.
+    pub(crate) fn lattice(&self) -> Option<([usize; 3], &[[f32; 3]])> {
+        self.lattice.as_ref().map(|ffd| (ffd.lattice.size(), ffd.controls.as_slice()))
+    }
+
     /// Whether there is a lattice that holds no point.
     pub(crate) fn is_empty_lattice(&self) -> bool {
         let bound = self.lattice.as_ref().and_then(|ffd| ffd.binding.as_ref());

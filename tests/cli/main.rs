@@ -10,6 +10,7 @@ mod made_files;
 mod masks;
 mod place;
 mod real_files;
+mod render;
 
 #[path = "../../crates/asset/tests/oracle/mod.rs"]
 mod oracle;

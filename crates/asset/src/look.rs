@@ -13,9 +13,9 @@ use crate::texture::TextureUse;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Look {
-    /// The base colour, linear red, green, blue and alpha, each from 0 to 1. Default 1. It multiplies the texture and
-    /// the colours of vertices.
-    pub color: [f32; 4],
+    /// The base colour, linear red, green, blue and alpha, each from 0 to 1; it multiplies the texture and the colours of
+    /// vertices. None where the document states none, which stands for 1.
+    pub color: Option<[f32; 4]>,
     /// The texture of the base colour.
     pub texture: Option<TextureUse>,
     /// What alpha means. Default [`Alpha::Opaque`].
@@ -39,7 +39,7 @@ pub enum Alpha {
 
 impl Default for Look {
     fn default() -> Self {
-        Self { color: [1.0; 4], texture: None, alpha: Alpha::Opaque, double_sided: false, unlit: false }
+        Self { color: None, texture: None, alpha: Alpha::Opaque, double_sided: false, unlit: false }
     }
 }
 
@@ -117,9 +117,9 @@ pub(crate) fn extension<'a>(json: Json<'a>, name: &'a str) -> Result<Option<Json
     json.get("extensions")?.map_or(Ok(None), |extensions| extensions.get(name))
 }
 
-fn color(base: Json<'_>, factor: &'static str) -> Result<[f32; 4], AssetError> {
-    let Some(factor) = base.get(factor)? else { return Ok([1.0; 4]) };
-    Ok(factor.floats::<4>()?.map(|c| c.clamp(0.0, 1.0) as f32))
+fn color(base: Json<'_>, factor: &'static str) -> Result<Option<[f32; 4]>, AssetError> {
+    let Some(factor) = base.get(factor)? else { return Ok(None) };
+    Ok(Some(factor.floats::<4>()?.map(|c| c.clamp(0.0, 1.0) as f32)))
 }
 
 fn alpha(material: Json<'_>) -> Result<Alpha, AssetError> {

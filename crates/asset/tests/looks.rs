@@ -54,7 +54,7 @@ fn all_of_a_look_is_read() {
     }));
     let (found, warnings) = look(&doc);
     assert!(warnings.is_empty(), "{warnings:?}");
-    assert_eq!(found.color, [0.5, 0.25, 1.0, 0.75]);
+    assert_eq!(found.color, Some([0.5, 0.25, 1.0, 0.75]));
     assert_eq!((found.alpha, found.double_sided, found.unlit), (Alpha::Mask(0.25), true, true));
     let texture = found.texture.unwrap();
     assert_eq!((texture.image, texture.set, texture.wrap), (0, 0, [Wrap::Repeat; 2]));
@@ -71,7 +71,7 @@ fn the_older_material_serves_where_there_is_no_other() {
         "diffuseFactor": [0.1, 0.2, 0.3, 1], "diffuseTexture": { "index": 0, "texCoord": 1 },
     } });
     let (found, warnings) = look(&with_material(&json!({ "extensions": older })));
-    assert_eq!((found.color, found.texture.unwrap().set), ([0.1, 0.2, 0.3, 1.0], 1));
+    assert_eq!((found.color, found.texture.unwrap().set), (Some([0.1, 0.2, 0.3, 1.0]), 1));
     assert!(warnings.is_empty());
     let (found, _) = look(&with_material(&json!({ "pbrMetallicRoughness": {}, "extensions": older })));
     assert_eq!(found, Look::default());

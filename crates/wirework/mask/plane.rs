@@ -1,13 +1,14 @@
 //! One channel of a PNG or JPEG file, read as numbers from 0 to 1.
 
 use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
-use image::error::ImageError;
-use image::{DynamicImage, ImageReader};
-use wirework_asset::{Limits, printable};
+use image::DynamicImage;
+use wirework_asset::Limits;
 use wirework_preset::Channel;
+
+use crate::decode::{Refusal, decode};
 
 /// A channel of an image, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,48 +18,17 @@ pub(super) struct Plane {
     values: Vec<f32>,
 }
 
-/// Why an image cannot be used: what follows its name in a sentence.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Refusal {
-    pub(super) message: String,
-    /// Whether a limit is the reason.
-    pub(super) limit: bool,
-}
-
-fn refuse(message: impl Into<String>) -> Refusal {
-    Refusal { message: message.into(), limit: false }
-}
-
-fn too_large(bytes: u64, flag: &str) -> Refusal {
-    Refusal {
-        message: format!("needs more than the {bytes} bytes that are allowed ({flag} raises it)"),
-        limit: true,
-    }
-}
-
 impl Plane {
     /// Reads a channel: with 8 or 16 bits, of grey or colour. Grey is red, green and blue at once; alpha is 1 where there is
     /// none. Numbers are taken as they are stored: neither a colour space nor a rotation by metadata is undone.
     pub(super) fn read(path: &Path, channel: Channel, limits: &Limits) -> Result<Self, Refusal> {
         let bytes = bytes(path, limits)?;
-        let reader = || {
-            let reader = ImageReader::new(Cursor::new(&bytes)).with_guessed_format();
-            reader.map_err(|error| refuse(format!("cannot be read: {error}")))
-        };
-        let (width, height) = reader()?.into_dimensions().map_err(|error| unreadable(&error, limits))?;
-        // The numbers of one channel, beside what the decoder makes.
-        let plane = (u64::from(width) * u64::from(height)).saturating_mul(size_of::<f32>() as u64);
-        let Some(left) = limits.expanded_bytes.checked_sub(plane) else {
-            return Err(too_large(limits.expanded_bytes, "--max-expanded-bytes"));
-        };
-        let mut decoder = reader()?;
-        let mut decoding = image::Limits::default();
-        decoding.max_alloc = Some(left);
-        decoder.limits(decoding);
-        let image = decoder.decode().map_err(|error| unreadable(&error, limits))?;
-        let plane = Self { width: width as usize, height: height as usize, values: values(&image, channel) };
+        // The numbers of one channel stand beside what the decoder makes.
+        let image = decode(&bytes, size_of::<f32>(), limits)?;
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let plane = Self { width, height, values: values(&image, channel) };
         let full = !plane.values.is_empty() && plane.values.len() == plane.width.saturating_mul(plane.height);
-        if full { Ok(plane) } else { Err(refuse("has no pixel that can be read")) }
+        if full { Ok(plane) } else { Err(Refusal::new("has no pixel that can be read")) }
     }
 
     /// The value at texture coordinates, `v` downwards as glTF has it: bilinear between the centres of the pixels. From 0 to 1
@@ -112,18 +82,12 @@ fn bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, Refusal> {
         Ok(out)
     };
     let out = read().map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => refuse("is not there; its path is relative to the preset's folder"),
-        _ => refuse(format!("cannot be read: {error}")),
+        std::io::ErrorKind::NotFound => {
+            Refusal::new("is not there; its path is relative to the preset's folder")
+        }
+        _ => Refusal::new(format!("cannot be read: {error}")),
     })?;
-    if out.len() as u64 > limit { Err(too_large(limit, "--max-file-bytes")) } else { Ok(out) }
-}
-
-fn unreadable(error: &ImageError, limits: &Limits) -> Refusal {
-    match error {
-        ImageError::Limits(_) => too_large(limits.expanded_bytes, "--max-expanded-bytes"),
-        ImageError::Unsupported(_) => refuse("is no PNG or JPEG that can be read"),
-        _ => refuse(format!("cannot be read: {}", printable(&error.to_string()))),
-    }
+    if out.len() as u64 > limit { Err(Refusal::too_large(limit, "--max-file-bytes")) } else { Ok(out) }
 }
 
 /// A channel of all pixels, from 0 to 1.
