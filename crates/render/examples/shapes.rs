@@ -1,9 +1,13 @@
-//! Draws three shapes as PNG, with their times: `cargo run --release -p wirework-render --example shapes -- DIR`.
+//! Draws shapes as PNG, with their times, and one that moves as a sheet and a GIF:
+//! `cargo run --release -p wirework-render --example shapes -- DIR`.
 
 use std::path::Path;
 use std::time::Instant;
 
-use wirework_render::{Camera, Dots, Line, LineKind, Part, Picture, Renderer, Scene, Settings, View};
+use wirework_render::{
+    Animation, AnimationKind, Camera, Corner, Dots, Framing, Line, LineKind, Part, Picture, Renderer, Scene,
+    Settings, View, caption, legend, png, row,
+};
 use wirework_surface::{Mesh, cuboid, grid, smooth_normals, sphere, tube};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
@@ -12,10 +16,10 @@ fn main() -> Result<()> {
     let dir = std::env::args().nth(1).unwrap_or_else(|| ".".into());
     let dir = Path::new(&dir);
     let scenes = [
-        ("wave", wave(223)?, View::ThreeQuarter),
-        ("wave-top", wave(223)?, View::Top),
+        ("wave", wave(223, 1.0)?, View::ThreeQuarter),
+        ("wave-top", wave(223, 1.0)?, View::Top),
         ("still-life", still_life()?, View::ThreeQuarter),
-        ("tube", bent_tube()?, View::Front),
+        ("tube", bent_tube()?, View::Around { azimuth: 12.0, elevation: 8.0 }),
     ];
     for (name, scene, view) in scenes {
         let points = || scene.parts.iter().flat_map(|p| &p.positions).copied();
@@ -27,18 +31,50 @@ fn main() -> Result<()> {
             let first = Instant::now();
             renderer.render(&scene, &camera, &settings)?;
             let (first, again) = (first.elapsed(), Instant::now());
-            let picture = renderer.render(&scene, &camera, &settings)?;
+            let mut picture = renderer.render(&scene, &camera, &settings)?;
             println!("{name} fast={fast} {triangles} triangles: {first:.0?}, again {:.0?}", again.elapsed());
+            legend(&mut picture, &kinds(&scene));
             save(&picture, &dir.join(format!("{name}{}.png", if fast { "-fast" } else { "" })))?;
         }
     }
-    Ok(())
+    moving(dir)
+}
+
+/// A sheet while it folds: a row of four moments, and a GIF.
+fn moving(dir: &Path) -> Result<()> {
+    let settings = Settings { size: [480, 270], ..Settings::default() };
+    let moments: Vec<Scene> = (0_u8..24)
+        .map(|i| f32::from(i) / 24.0 * std::f32::consts::TAU)
+        .map(|turn| wave(120, 0.5 - 0.5 * turn.cos()))
+        .collect::<Result<_>>()?;
+    let mut framing = Framing::new(View::ThreeQuarter, settings.size)?;
+    for scene in &moments {
+        framing.add(scene.parts.iter().flat_map(|p| &p.positions).copied());
+    }
+    let camera = framing.camera()?;
+    let (mut renderer, mut sheet) = (Renderer::default(), vec![]);
+    let mut animation = Animation::new(AnimationKind::Gif, settings.size, 24.0)?;
+    for (i, scene) in moments.iter().enumerate() {
+        let mut picture = renderer.render(scene, &camera, &settings)?;
+        caption(&mut picture, &format!("{:.2} s", i as f32 / 24.0), Corner::TopRight);
+        if i == 0 {
+            legend(&mut picture, &kinds(scene));
+        }
+        animation.push(&picture)?;
+        if i % 4 == 0 && i <= 12 {
+            sheet.push(picture);
+        }
+    }
+    save(&row(&sheet, 4)?, &dir.join("sheet.png"))?;
+    Ok(std::fs::write(dir.join("wave.gif"), animation.finish()?)?)
+}
+
+fn kinds(scene: &Scene) -> Vec<LineKind> {
+    scene.lines.iter().map(|l| l.kind).chain(scene.dots.iter().map(|d| d.kind)).collect()
 }
 
 fn save(picture: &Picture, path: &Path) -> Result<()> {
-    let bytes = picture.pixels.iter().flatten().copied().collect();
-    let image = image::RgbaImage::from_raw(picture.width, picture.height, bytes).ok_or("too short")?;
-    Ok(image.save(path)?)
+    Ok(std::fs::write(path, png(picture)?)?)
 }
 
 /// Smooth clay of a mesh whose positions have been moved.
@@ -46,11 +82,11 @@ fn clay(mut mesh: Mesh, bend: impl Fn([f32; 3]) -> [f32; 3]) -> Result<Part> {
     mesh.positions.iter_mut().for_each(|p| *p = bend(*p));
     let triangles = mesh.triangles()?;
     let normals = smooth_normals(&mesh.positions, &triangles);
-    Ok(Part { positions: mesh.positions, normals, triangles, uvs: vec![], ..Part::new(&Mesh::default())? })
+    Ok(Part { positions: mesh.positions, normals, triangles, ..Part::default() })
 }
 
-/// A sheet with creases and a swell, 2·cells² triangles, and the wires that would make it.
-fn wave(cells: u32) -> Result<Scene> {
+/// A sheet with creases as high as `rise` says, 2·cells² triangles, and the wires that would make it.
+fn wave(cells: u32, rise: f32) -> Result<Scene> {
     let height = |x: f32, z: f32| {
         let creases: f32 = (-2..=2)
             .map(|i| f32::from(i as i8) * 0.22)
@@ -60,7 +96,7 @@ fn wave(cells: u32) -> Result<Scene> {
             })
             .sum();
         let fade = (1.0 - (x / 0.75).powi(2)).max(0.0).powi(2);
-        0.05 * creases * fade
+        0.05 * rise * creases * fade
     };
     let part =
         clay(grid([2.0, 1.6], [cells, cells], [0.0, 1.0, 0.0])?, |[x, y, z]| [x, y + height(x, z), z])?;

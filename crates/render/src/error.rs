@@ -61,7 +61,8 @@ pub enum RenderError {
         owner: &'static str,
         /// Which one, from 0.
         number: usize,
-        /// `"position"`, `"texture coordinate"`, `"vertex colour"` or `"colour component"`.
+        /// `"position"`, `"texture coordinate"`, `"vertex colour"`, `"colour component"` or
+        /// `"cutoff"`.
         what: &'static str,
         /// Which one, from 0.
         index: usize,

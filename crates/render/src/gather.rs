@@ -8,6 +8,7 @@ use crate::light::Lamps;
 use crate::pattern::{Pattern, cone, cosine};
 use crate::raster::{NONE, Seen};
 use crate::rays::Rays;
+use crate::scene::Part;
 use crate::shade::Open;
 use crate::space::Space;
 
@@ -48,6 +49,8 @@ const EMPTY: Pixel = Pixel {
 /// All that rays need.
 pub(crate) struct Tracer<'a> {
     pub(crate) rays: &'a Rays,
+    /// What there is, if surfaces with holes are among it.
+    pub(crate) holes: Option<Stage<'a>>,
     pub(crate) lamps: &'a Lamps,
     pub(crate) space: &'a Space,
     pub(crate) pattern: Pattern,
@@ -57,10 +60,12 @@ pub(crate) struct Tracer<'a> {
 
 impl<'a> Tracer<'a> {
     /// Four rays to the sky for each pixel, or one for each sample where that is more.
-    pub(crate) fn new(rays: &'a Rays, lamps: &'a Lamps, space: &'a Space, samples: u32) -> Self {
-        let samples = (samples * samples) as usize;
+    pub(crate) fn new(rays: &'a Rays, lamps: &'a Lamps, stage: Stage<'a>) -> Self {
+        let samples = stage.samples * stage.samples;
         let rays_per_sample = 4usize.div_ceil(samples);
-        Self { rays, lamps, space, pattern: Pattern::new(samples * rays_per_sample), rays_per_sample }
+        let holes = stage.scene.parts.iter().any(Part::has_holes).then_some(stage);
+        let pattern = Pattern::new(samples * rays_per_sample);
+        Self { rays, holes, lamps, space: stage.space, pattern, rays_per_sample }
     }
 
     /// How open a sample lies: the mean over its rays.
@@ -98,7 +103,7 @@ impl<'a> Tracer<'a> {
         for i in 0..self.rays_per_sample {
             let point = self.pattern.point(pixel, sample * self.rays_per_sample + i);
             let toward = cone(self.lamps.key, SPREAD, point);
-            free += u8::from(toward.dot(hit.normal) <= 0.0 || self.rays.free(hit.origin, toward, FAR));
+            free += u8::from(toward.dot(hit.normal) <= 0.0 || self.free(hit.origin, toward, FAR));
         }
         f32::from(free) / self.rays_per_sample as f32
     }
@@ -106,7 +111,16 @@ impl<'a> Tracer<'a> {
     fn clear(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
         let (rise, up) = (direction.dot(self.space.up), self.space.up);
         let grounded = self.space.ground.is_some_and(|g| rise < 0.0 && (g - origin.dot(up)) / rise < reach);
-        !grounded && self.rays.free(origin, direction, reach)
+        !grounded && self.free(origin, direction, reach)
+    }
+
+    fn free(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
+        match self.holes {
+            None => self.rays.free(origin, direction, distance, |_, _| true),
+            Some(stage) => self
+                .rays
+                .free(origin, direction, distance, |triangle, point| stage.solid_at_point(triangle, point)),
+        }
     }
 }
 

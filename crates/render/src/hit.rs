@@ -31,7 +31,7 @@ pub(crate) struct Hit {
     /// The part, or [`GROUND`].
     pub(crate) owner: u32,
     /// The corners' shares.
-    weights: [f32; 3],
+    pub(crate) weights: [f32; 3],
     /// The triangle, or [`NONE`].
     pub(crate) triangle: u32,
 }
@@ -103,34 +103,10 @@ impl Stage<'_> {
         let owner = self.geometry.part(triangle) as u32;
         Hit { position, normal, face, origin, owner, weights, triangle }
     }
-
-    /// The base colour, linear.
-    pub(crate) fn color(&self, hit: &Hit) -> Vec3 {
-        let Some(part) = self.scene.parts.get(hit.owner as usize) else { return Vec3::ONE };
-        let first = self.geometry.starts[hit.owner as usize][1];
-        let corners = self.geometry.triangles[hit.triangle as usize].map(|v| (v - first) as usize);
-        let mut color = Vec3::from(part.color);
-        if let [Some(&a), Some(&b), Some(&c)] = corners.map(|v| part.colors.get(v)) {
-            let [u, v, w] = hit.weights;
-            color *= Vec3::from(a) * u + Vec3::from(b) * v + Vec3::from(c) * w;
-        }
-        let Some(texture) = &part.texture else { return color };
-        let [Some(&ua), Some(&ub), Some(&uc)] = corners.map(|v| part.uvs.get(v)) else { return color };
-        let mix =
-            |axis: usize| ua[axis] * hit.weights[0] + ub[axis] * hit.weights[1] + uc[axis] * hit.weights[2];
-        // How many of the texture's pixels lie in one of the picture's.
-        let [a, b, c] = self.geometry.corners(hit.triangle);
-        let area = (b - a).cross(c - a).length();
-        let uv_area = ((ub[0] - ua[0]) * (uc[1] - ua[1]) - (ub[1] - ua[1]) * (uc[0] - ua[0])).abs();
-        let depth = -hit.position.z * self.samples as f32 / self.space.focal;
-        let slant = hit.face.dot(hit.position / hit.position.z).abs().max(1e-3);
-        let texels = texture.texels() * uv_area / area.max(f32::MIN_POSITIVE) * depth * depth / slant;
-        color * Vec3::from(texture.sample([mix(0), mix(1)], texels.clamp(0.0, 1e18)))
-    }
 }
 
 /// The shares of the corners `a`, `a + e1`, `a + e2` where a ray from the origin meets their plane, moved into the triangle.
-fn meet(ray: Vec3, a: Vec3, e1: Vec3, e2: Vec3) -> [f32; 3] {
+pub(crate) fn meet(ray: Vec3, a: Vec3, e1: Vec3, e2: Vec3) -> [f32; 3] {
     let r = ray.cross(a);
     let det = -ray.dot(e1.cross(e2));
     let (u, v) = ((e2.dot(r) / det).clamp(0.0, 1.0), (-e1.dot(r) / det).clamp(0.0, 1.0));

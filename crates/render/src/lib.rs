@@ -5,7 +5,9 @@
 //! pictures are made to judge shapes by.
 //!
 //! ```
-//! use wirework_render::{Camera, Line, LineKind, Part, Scene, Settings, View, render};
+//! use wirework_render::{
+//!     Camera, Corner, Line, LineKind, Part, Scene, Settings, View, caption, legend, png, render,
+//! };
 //! use wirework_surface::sphere;
 //!
 //! let ball = Part::new(&sphere([0.0, 1.0, 0.0], 1.0, [48, 24])?)?;
@@ -20,20 +22,53 @@
 //! let settings = Settings { size: [160, 90], ..Settings::default() };
 //! let bounds = scene.bounds().ok_or("nothing to see")?;
 //! let camera = Camera::framing(bounds, View::ThreeQuarter, settings.size)?;
-//! let picture = render(&scene, &camera, &settings)?;
-//! assert_eq!(picture.pixels.len(), 160 * 90);
+//! let mut picture = render(&scene, &camera, &settings)?;
+//! caption(&mut picture, "rest", Corner::TopLeft);
+//! legend(&mut picture, &[kind]);
+//! let file = png(&picture)?;
+//! assert!(file.starts_with(b"\x89PNG"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! What moves is framed moment by moment ([`Framing`]), drawn by one [`Renderer`], and becomes an [`Animation`], GIF or
+//! animated PNG, or a [`row()`] of moments:
+//!
+//! ```
+//! # use wirework_render::*;
+//! # use wirework_surface::sphere;
+//! let moment = |x: f32| -> Result<Scene, Box<dyn std::error::Error>> {
+//!     let ball = Part::new(&sphere([x, 1.0, 0.0], 1.0, [48, 24])?)?;
+//!     Ok(Scene { parts: vec![ball], ground: Some(0.0), ..Scene::default() })
+//! };
+//! let settings = Settings { size: [96, 54], fast: true, ..Settings::default() };
+//! let mut framing = Framing::new(View::Around { azimuth: -30.0, elevation: 15.0 }, settings.size)?;
+//! for x in [0.0, 0.5, 1.0] {
+//!     framing.add(moment(x)?.parts.into_iter().flat_map(|part| part.positions));
+//! }
+//! let (camera, mut renderer) = (framing.camera()?, Renderer::default());
+//! let mut animation = Animation::new(AnimationKind::Gif, settings.size, 24.0)?;
+//! let mut moments = vec![];
+//! for x in [0.0, 0.5, 1.0] {
+//!     let picture = renderer.render(&moment(x)?, &camera, &settings)?;
+//!     animation.push(&picture)?;
+//!     moments.push(picture);
+//! }
+//! assert!(animation.finish()?.starts_with(b"GIF89a"));
+//! assert_eq!(row(&moments, 2)?.width, 3 * 96 + 2 * 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # Steps
 //!
 //! 1. All positions go to the camera's space, with the picture's height at the camera's target as unit.
-//! 2. Triangles are cut to what is in front of the camera and filled into samples, 2×2 a pixel by default.
+//! 2. Triangles are cut to what is in front of the camera and filled into samples, 2×2 a pixel by default. Where a
+//!    texture is clear ([`Part::cutoff`]) they have holes, for samples and for rays.
 //! 3. Each pixel's nearest surface gets rays to the sky (ambient occlusion) and to the key light (soft shadow), four and
 //!    two, from a set that is spread over 4×4 pixels; a blur along the surface gives every pixel the whole set.
 //! 4. Each sample is shaded with its own normal and colour: key light, fill, dome, gloss, rim, and the bend of the
 //!    surface round the pixel, so that shallow wrinkles read; a filmic curve; the mean of the samples.
 //! 5. Lines and dots are drawn over it, tested against the samples' depths.
+//! 6. Words and legends are written on the finished picture, in sRGB as it is seen, mixed as light.
 
 mod camera;
 mod compose;
@@ -45,6 +80,7 @@ mod hit;
 mod legend;
 mod light;
 mod lines;
+mod paint;
 mod pattern;
 mod raster;
 mod rays;
@@ -65,4 +101,4 @@ pub use legend::legend;
 pub use renderer::{Picture, Renderer, render};
 pub use scene::{CLAY, Dots, Line, LineKind, Part, Scene};
 pub use settings::{FARTHEST, Light, MAX_SAMPLES, MAX_SIDE, Settings};
-pub use texture::Texture;
+pub use texture::{Texture, Wrap};

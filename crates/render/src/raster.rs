@@ -8,6 +8,8 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::hit::Stage;
+use crate::scene::Part;
 use crate::space::{Geometry, Space};
 
 /// No triangle.
@@ -45,11 +47,15 @@ struct Flat {
     columns: [usize; 2],
     rows: [usize; 2],
     triangle: u32,
+    /// Whether there may be holes in it.
+    holes: bool,
 }
 
 /// What every sample sees, row by row.
-pub(crate) fn rasterize(geometry: &Geometry, space: &Space, seen: &mut Vec<Seen>) {
+pub(crate) fn rasterize(stage: Stage<'_>, seen: &mut Vec<Seen>) {
+    let Stage { scene, geometry, space, .. } = stage;
     let [width, height] = space.size;
+    let holes = scene.parts.iter().any(Part::has_holes);
     let flats: Vec<Vec<Flat>> = geometry
         .triangles
         .par_chunks(CHUNK)
@@ -58,6 +64,9 @@ pub(crate) fn rasterize(geometry: &Geometry, space: &Space, seen: &mut Vec<Seen>
             let mut flats = Vec::with_capacity(triangles.len());
             for i in 0..triangles.len() {
                 flatten(geometry, space, (chunk * CHUNK + i) as u32, &mut flats);
+            }
+            for flat in flats.iter_mut().filter(|_| holes) {
+                flat.holes = scene.parts.get(geometry.part(flat.triangle)).is_some_and(Part::has_holes);
             }
             flats
         })
@@ -72,7 +81,7 @@ pub(crate) fn rasterize(geometry: &Geometry, space: &Space, seen: &mut Vec<Seen>
     seen.resize(width * height, Seen::NOTHING);
     seen.par_chunks_mut(width * BAND).zip(&bands).enumerate().for_each(|(i, (samples, band))| {
         for flat in band {
-            fill(flat, i * BAND, width, samples);
+            fill(flat, stage, i * BAND, samples);
         }
     });
 }
@@ -141,7 +150,7 @@ fn snap(corners: [Vec3; 3], space: &Space, triangle: u32) -> Option<Flat> {
         let last = last.min(whole(space.size[axis]) - 1);
         (first <= last).then_some([first as usize, last as usize])
     };
-    Some(Flat { corners: at, nearness, columns: range(0)?, rows: range(1)?, triangle })
+    Some(Flat { corners: at, nearness, columns: range(0)?, rows: range(1)?, triangle, holes: false })
 }
 
 /// A row or column, which [`MAX_SIDE`](crate::MAX_SIDE) keeps small.
@@ -155,7 +164,8 @@ fn cross(a: [i64; 2], b: [i64; 2], p: [i64; 2]) -> i64 {
 }
 
 /// Fills the rows of one band; the first is row `top` of the picture.
-fn fill(flat: &Flat, top: usize, width: usize, samples: &mut [Seen]) {
+fn fill(flat: &Flat, stage: Stage<'_>, top: usize, samples: &mut [Seen]) {
+    let width = stage.space.size[0];
     let [a, b, c] = flat.corners;
     let center = |i: usize| whole(i) * 256 + 128;
     // Edge functions, 0 or more inside; an edge that runs down, or level to the right, has its own samples.
@@ -185,7 +195,8 @@ fn fill(flat: &Flat, top: usize, width: usize, samples: &mut [Seen]) {
             if values[0] | values[1] | values[2] >= 0 {
                 entered = true;
                 let nearness = (start + step * i as f32).clamp(low, high);
-                if nearness > seen.nearness {
+                let at = || [flat.columns[0] + i, row].map(|c| c as f32 + 0.5);
+                if nearness > seen.nearness && (!flat.holes || stage.solid_at_sample(flat.triangle, at())) {
                     *seen = Seen { nearness, triangle: flat.triangle };
                 }
             } else if entered {

@@ -84,12 +84,26 @@ impl Rays {
         !(leave < 0.0 || enter > leave)
     }
 
-    /// Whether nothing is in the way up to `distance`.
-    pub(crate) fn free(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
+    /// Whether nothing is in the way up to `distance`; `solid` says whether a triangle has surface at a point of it.
+    pub(crate) fn free(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        solid: impl Fn(u32, Vec3) -> bool,
+    ) -> bool {
         let Some(tree) = &self.tree else { return true };
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         tree.ray_traverse_miss(ray, |ray, i| {
-            self.triangles.get(i).map_or(f32::INFINITY, |t| t.intersect(ray))
+            let (Some(triangle), Some(&number)) = (self.triangles.get(i), tree.primitive_indices.get(i))
+            else {
+                return f32::INFINITY;
+            };
+            let distance = triangle.intersect(ray);
+            if distance < f32::INFINITY && !solid(number, origin + direction * distance) {
+                return f32::INFINITY;
+            }
+            distance
         })
     }
 }

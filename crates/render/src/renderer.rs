@@ -53,7 +53,8 @@ impl Renderer {
 
         let geometry = Geometry::new(scene, &space)?;
 
-        rasterize(&geometry, &space, &mut self.seen);
+        let stage = Stage { scene, geometry: &geometry, space: &space, samples: settings.samples as usize };
+        rasterize(stage, &mut self.seen);
 
         let lamps = Lamps::new(&space);
         let traced = !settings.fast && !geometry.triangles.is_empty();
@@ -61,8 +62,7 @@ impl Renderer {
             self.rays.fit(&geometry);
         }
 
-        let tracer = traced.then(|| Tracer::new(&self.rays, &lamps, &space, settings.samples));
-        let stage = Stage { scene, geometry: &geometry, space: &space, samples: settings.samples as usize };
+        let tracer = traced.then(|| Tracer::new(&self.rays, &lamps, stage));
         let samples = stage.samples;
         let columns = settings.size[0] as usize;
         let footprint = samples as f32 / space.focal;

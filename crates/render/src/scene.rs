@@ -6,7 +6,7 @@ use glam::DVec3;
 use wirework_surface::{Bounds, Mesh, MeshError, VertexMesh};
 
 use crate::enclose::winding;
-use crate::{RenderError, Texture};
+use crate::{RenderError, Texture, Wrap};
 
 /// The colour of things that have none, linear: warm grey clay, on which relief reads well.
 pub const CLAY: [f32; 3] = [0.52, 0.415, 0.345];
@@ -67,6 +67,11 @@ pub struct Part {
     pub uvs: Vec<[f32; 2]>,
     /// The base colour's picture.
     pub texture: Option<Arc<Texture>>,
+    /// What is beyond its edges, across and down. Default: the picture again.
+    pub wrap: [Wrap; 2],
+    /// Where the texture's alpha is below this, 0 to 1, there is no surface. For glTF's `MASK` that is its cutoff divided by
+    /// the base colour's alpha. Default: `None`, there is surface everywhere.
+    pub cutoff: Option<f32>,
 }
 
 impl Default for Part {
@@ -79,11 +84,18 @@ impl Default for Part {
             colors: vec![],
             uvs: vec![],
             texture: None,
+            wrap: [Wrap::Repeat; 2],
+            cutoff: None,
         }
     }
 }
 
 impl Part {
+    /// Whether there may be holes in it.
+    pub(crate) fn has_holes(&self) -> bool {
+        self.cutoff.is_some() && self.texture.is_some() && !self.uvs.is_empty()
+    }
+
     /// A part of clay with smooth normals (hard edges where the mesh has them).
     pub fn new(mesh: &Mesh) -> Result<Self, MeshError> {
         let VertexMesh { positions, normals, uvs, triangles, .. } = VertexMesh::new(mesh)?;
@@ -215,6 +227,7 @@ fn check_part(number: usize, part: &Part) -> Result<(), RenderError> {
     finite("part", number, "texture coordinate", &part.uvs)?;
     finite("part", number, "colour component", &part.color.map(|c| [c]))?;
     finite("part", number, "vertex colour", &part.colors)?;
+    finite("part", number, "cutoff", &[[part.cutoff.unwrap_or(0.0)]])?;
     for (triangle, corners) in part.triangles.iter().enumerate() {
         if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= positions) {
             return Err(RenderError::Index { part: number, triangle, vertex, positions });

@@ -52,7 +52,7 @@ pub struct Light {
     pub rim: f32,
     /// The gloss of the surface under the key light.
     pub gloss: f32,
-    /// How much valleys are darkened and ridges lightened.
+    /// How much valleys are darkened and ridges lightened. Above 2 it is 2.
     pub cavity: f32,
     /// How dark ambient occlusion gets.
     pub occlusion: f32,
@@ -65,10 +65,10 @@ impl Default for Light {
         Self {
             key: 2.0,
             fill: 0.22,
-            ambient: 0.30,
+            ambient: 0.25,
             rim: 0.40,
             gloss: 0.10,
-            cavity: 1.0,
+            cavity: 1.3,
             occlusion: 1.0,
             filmic: true,
         }

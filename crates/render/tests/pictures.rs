@@ -4,7 +4,8 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use wirework_render::{
-    Camera, Dots, Light, Line, LineKind, Part, Picture, Renderer, Scene, Settings, Texture, View, render,
+    Camera, Dots, Light, Line, LineKind, Part, Picture, Renderer, Scene, Settings, Texture, View, Wrap,
+    render,
 };
 use wirework_surface::{Bounds, cuboid, grid, sphere, tube};
 
@@ -176,6 +177,27 @@ fn vertex_colours_multiply_the_base_colour_and_blend_between() {
             assert!((ratio - expected).abs() < 0.012, "channel {channel} at {x}: {ratio}");
         }
     }
+}
+
+#[test]
+fn where_alpha_is_below_the_cutoff_there_is_neither_surface_nor_shadow() {
+    // A card whose left half is clear is a card of half the width; bilinear alpha passes one half in the middle.
+    let wall = || square(5.0, -1.0, WHITE);
+    let mut card = square(1.0, 0.0, RED);
+    card.texture = Some(Arc::new(Texture::new(2, 1, vec![[255, 255, 255, 0], [255; 4]]).unwrap()));
+    (card.cutoff, card.wrap) = (Some(0.5), [Wrap::Clamp; 2]);
+    let mut half = square(1.0, 0.0, RED);
+    half.positions.iter_mut().for_each(|p| p[0] = p[0].max(0.0));
+    let settings = Settings { fast: false, ..plain(120) };
+    let [holed, cut, whole] = [Part { cutoff: None, ..card.clone() }, half, card.clone()]
+        .map(|part| render(&scene(vec![wall(), part]), &camera(8.0, 2.0), &settings).unwrap());
+    let differ = |a: &Picture, b: &Picture| a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a != b).count();
+    assert!(differ(&cut, &whole) < 60, "{} pixels", differ(&cut, &whole));
+    assert!(differ(&cut, &holed) > 1000);
+    // A cutoff needs an alpha to compare.
+    let bare = Part { texture: None, uvs: vec![], ..card };
+    let picture = |part: Part| render(&scene(vec![part]), &camera(8.0, 2.0), &settings).unwrap();
+    assert_eq!(picture(bare), picture(square(1.0, 0.0, RED)));
 }
 
 #[test]

@@ -75,6 +75,9 @@ fn numbers_that_are_none_are_refused_by_name() {
     let mut broken = scene.clone();
     broken.parts[0].colors = vec![[f32::NAN; 3]; broken.parts[0].positions.len()];
     assert!(matches!(error(&broken, &CAMERA, &SMALL), RenderError::NotFinite { what: "vertex colour", .. }));
+    let mut broken = scene.clone();
+    broken.parts[0].cutoff = Some(f32::NAN);
+    assert!(matches!(error(&broken, &CAMERA, &SMALL), RenderError::NotFinite { what: "cutoff", .. }));
     let kind = LineKind::Wire;
     let mut broken = scene.clone();
     broken.lines.push(Line { points: vec![[f32::INFINITY; 3]], color: [0.0; 3], width: 1.0, kind });
