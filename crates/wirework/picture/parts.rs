@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use wirework_asset::{Gltf, Limits, Look, Rest, Stroke, TextureUse, Warning, printable};
-use wirework_render::{CLAY, Dots, Line, LineKind, Part, Scene, Texture};
+use wirework_asset::{Alpha, Gltf, Limits, Look, Rest, Stroke, TextureUse, Warning, printable};
+use wirework_render::{CLAY, Dots, Line, LineKind, Part, Scene, Texture, Wrap};
 
 use crate::JobError;
 use crate::decode::decode;
@@ -15,6 +15,9 @@ const POINT: f32 = 6.0;
 const LINE: f32 = 1.6;
 /// Bytes of a texture's pixel: four channels, and a third more for smaller copies.
 const TEXEL: usize = 6;
+
+/// The alpha of a surface that covers as much as it lets through.
+const HALF: f32 = 0.5;
 
 /// The parts of a model without their places.
 pub(crate) struct Drawn {
@@ -69,9 +72,12 @@ pub(crate) fn drawn(
             colors,
             uvs: Vec::new(),
             texture: None,
+            wrap: [Wrap::Repeat; 2],
+            cutoff: None,
         };
         if let Some(texture) = &look.texture {
             reader.dress(&mut shown, index, texture);
+            shown.cutoff = shown.texture.as_ref().and_then(|_| cutoff(look));
         }
         surfaces.push(Surface { first: block.first, count: block.count, part: shown });
     }
@@ -89,6 +95,18 @@ pub(crate) fn drawn(
 fn rgb(look: &Look) -> [f32; 3] {
     let [r, g, b, _] = look.color.unwrap_or([1.0; 4]);
     [r, g, b]
+}
+
+/// The alpha of the texture below which a surface is not there. Nothing is half there in these pictures: what would let more than
+/// half of what is behind through is left out.
+fn cutoff(look: &Look) -> Option<f32> {
+    let factor = look.color.map_or(1.0, |[.., alpha]| alpha);
+    let least = match look.alpha {
+        Alpha::Opaque => return None,
+        Alpha::Mask(cutoff) => cutoff,
+        Alpha::Blend => HALF,
+    };
+    (factor > 0.0).then(|| least / factor)
 }
 
 /// Reads textures, each image once.
@@ -112,6 +130,11 @@ impl Reader<'_> {
             Ok(uvs) => {
                 part.uvs = uvs;
                 part.texture = Some(image);
+                part.wrap = texture.wrap.map(|wrap| match wrap {
+                    wirework_asset::Wrap::Repeat => Wrap::Repeat,
+                    wirework_asset::Wrap::Clamp => Wrap::Clamp,
+                    wirework_asset::Wrap::Mirror => Wrap::Mirror,
+                });
             }
             Err(error) => self.warnings.push(format!("{error}; the texture is left out")),
         }
