@@ -60,7 +60,8 @@ fn every_failure_has_its_exit_code() {
         (1, "apply lift.ron -o out.glb --report ."),
         // 2, the command line.
         (2, ""),
-        (2, "render lift.ron -o out.png"),
+        (2, "stitch lift.ron -o out.glb"),
+        (2, "render lift.ron"),
         (2, "apply"),
         (2, "apply lift.ron"),
         (2, "apply lift.ron -o out"),
