@@ -84,6 +84,25 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! To **see** it, [`picture`] renders a preset or an asset: a still, a row of moments, an animation.
+//!
+//! ```
+//! use wirework::{PictureJob, Shown, picture, parse, preset::Limits};
+//!
+//! # let text = "Deform(
+//! #     object: Grid(size: (2, 2), cells: (16, 16)),
+//! #     wires: [Wire(curve: Polyline([(-1, 0, 0), (1, 0, 0)]), pose: [(-1, 0.5, 0), (1, 0.5, 0)])],
+//! # )";
+//! let preset = parse(text.as_bytes(), &Limits::default())?.preset;
+//! # let folder = tempfile::tempdir()?;
+//! # let out = folder.path().join("lift.png");
+//! let shown = Shown::Preset { preset: &preset, path: "lift.ron".as_ref(), input: None };
+//! let job = PictureJob { wires: true, size: Some([160, 90]), ..PictureJob::new(shown, &out) };
+//! let report = picture(&job, &mut |_| {})?;
+//! assert_eq!((report.size, report.moments), ([160, 90], 1));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # The crates
 //!
 //! | module | its job |
@@ -94,9 +113,10 @@
 //! | [`preset`] | RON text to a checked effect |
 //! | [`asset`] | glTF and OBJ: reading, and writing behind what was there |
 //! | [`bake`] | frames to morph targets and a clip |
+//! | [`render`] | pictures of meshes and wires |
 //!
 //! Here they are put together: [`Subject`] is what an effect works on, [`Evaluation`] the effect at any time,
-//! [`schedule`] which times, [`apply`] all of it. Nothing here prints.
+//! [`schedule`] which times, [`apply`] and [`picture`] all of it. Nothing here prints.
 
 mod apply;
 mod decode;
