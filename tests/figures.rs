@@ -70,14 +70,25 @@ fn least(values: impl Iterator<Item = f32>) -> f32 {
 /// Figure 3 (a): "one wire with a larger r affects a larger region".
 #[test]
 fn a_larger_radius_moves_a_larger_region() {
-    for (p, q) in Figure::new("radius").pairs(1.0) {
+    let pairs = Figure::new("radius").pairs(1.0);
+    let mut outside = 0;
+    for (p, q) in &pairs {
         let (left, right) = ((p[0] + 0.85).abs(), (p[0] - 0.75).abs());
         if left >= 0.35 && right >= 0.7 {
             assert_eq!(p, q, "outside both");
+            outside += 1;
         } else if p[2].abs() < 0.5 && (left < 0.3 || right < 0.6) {
             assert!(q[1] > 0.005, "{p:?} is within one of them: {q:?}");
         }
     }
+    assert!(outside > pairs.len() / 5, "{outside}");
+    // In a row across both wires, twice the radius moves twice the points.
+    let moved = |x: f32| {
+        let row = pairs.iter().filter(|(p, q)| p[2].abs() < 0.01 && (p[0] - x).abs() < 0.75 && p != q);
+        row.count() as f32
+    };
+    let ratio = moved(0.75) / moved(-0.85);
+    assert!((ratio - 2.0).abs() < 0.1, "{ratio}");
 }
 
 /// Figure 3 (b): "reducing s on one wire and increasing it on the other provides sucking or bulging control".
@@ -232,9 +243,14 @@ fn exponents_choose_between_two_deformations() {
     assert!((ball[0] - 0.6).abs() < 1e-3 && (ball[1] - 0.6).abs() < 1e-3);
     assert!(first[1] > 0.9 && first[0] < 0.45, "{first:?}");
     assert!(second[0] > 0.9 && second[1] < 0.45, "{second:?}");
+    // At the poles one of the two is about to stretch and the other to squash: m = 5 leads to the longer displacement, 0 to
+    // the mean, −2 nearly to the shorter one.
+    let close = |a: f32, b: f32, slack: f32| (a - b).abs() < slack;
     for axis in [0, 1] {
-        assert!(five[axis] > zero[axis] + 0.1, "{five:?} {zero:?}");
-        assert!(zero[axis] > minus[axis] + 0.05, "{zero:?} {minus:?}");
+        let (stretched, squashed) = (first[axis].max(second[axis]), first[axis].min(second[axis]));
+        assert!(close(five[axis], stretched, 0.02), "{five:?}, not {stretched}");
+        assert!(close(zero[axis], 0.5 * (stretched + squashed), 0.06), "{zero:?}");
+        assert!(minus[axis] < zero[axis] - 0.1 && minus[axis] > squashed - 0.02, "{minus:?}");
     }
 }
 
@@ -286,6 +302,23 @@ fn an_object_follows_the_lattice_that_a_wire_moves() {
     let tip = figure.follow([0.0, 2.0, 0.0], 1.0);
     assert!(apart(tip, [0.9, 1.7, 0.1]) < 0.15, "{tip:?}");
     assert_eq!(figure.follow([0.3, 0.0, 0.3], 1.0)[1], 0.0, "the foot stays");
+    // Two cells across make a parabola of what was straight, whatever the wire does: third differences are nothing.
+    let corners: Vec<Point> = (0..4).map(|k| figure.follow([-0.3 + 0.2 * k as f32, 2.0, 0.3], 1.0)).collect();
+    for axis in 0..3 {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| corners[k][axis]);
+        assert!((a - 3.0 * b + 3.0 * c - d).abs() < 1e-5, "{corners:?}");
+    }
+    // A wire alone turns the far edge about itself by a falloff that is no parabola.
+    let mut alone = figure.preset.clone();
+    let Some(wirework::preset::Effect { action: wirework::preset::Action::Deform(deform), .. }) =
+        alone.effects.first_mut()
+    else {
+        panic!("a deform")
+    };
+    assert!(deform.lattice.take().is_some(), "the preset has a lattice");
+    let direct = Figure { preset: alone, subject: figure.subject.clone(), path: figure.path.clone() };
+    let far = figure.at(1.0).iter().zip(direct.at(1.0)).map(|(p, q)| apart(*p, q)).fold(0.0, f32::max);
+    assert!(far > 0.05, "the lattice makes a difference: {far}");
 }
 
 /// Beyond the paper: on the medial axis of a hairpin `Smallest` tears and `Blended` does not.

@@ -1,9 +1,8 @@
 //! `wirework apply`.
 
-use std::fs;
 use std::path::Path;
 
-use wirework::asset::{OutputFile, printable, write_files};
+use wirework::asset::{OutputFile, check_output, printable, write_files};
 use wirework::{Fault, Job, JobError, Report, When, bake};
 
 use crate::args::{Apply, Bake};
@@ -14,7 +13,8 @@ use crate::{diagnostics, presets};
 pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     let bake = bake(args.bake)?;
     let report_file = args.report.as_deref().filter(|path| *path != Path::new("-"));
-    report_file.map_or(Ok(()), check_report)?;
+    // A run that fails leaves what stood there.
+    report_file.map_or(Ok(()), check_output).map_err(JobError::from)?;
     let preset = presets::read(console, &args.preset, &args.limits.preset(), args.strict)?;
     let job = Job {
         input: args.input.as_deref(),
@@ -58,33 +58,6 @@ fn bake(asked: Bake) -> Result<bake::Bake, Failure> {
     };
     let message = format!("`--bake {name}` is not available in this version; there are `auto` and `frames`");
     Err(Failure::new(Fault::Request, message))
-}
-
-/// Whether a report can be written, before there is anything to report: a run that fails leaves what stood there.
-fn check_report(path: &Path) -> Result<(), Failure> {
-    let refuse = |found: &str, expected: &str| {
-        let name = printable(&path.display().to_string());
-        Err(Failure::work(format!("{name}: {found} for the report, expected {expected}")))
-    };
-    if let Ok(there) = fs::metadata(path) {
-        if there.is_dir() {
-            return refuse("found a folder", "a file, or no file yet");
-        }
-        if there.permissions().readonly() {
-            return refuse("found a file that is read-only", "one that may be replaced");
-        }
-        // A pipe or a terminal takes what it is given.
-        if !there.is_file() {
-            return Ok(());
-        }
-    }
-    let place = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Only making a file tells whether one can be made; this one goes at once.
-    match tempfile::Builder::new().prefix(".wirework-").tempfile_in(folder) {
-        Ok(_) => Ok(()),
-        Err(error) => refuse(&format!("found no place ({})", error.kind()), "a folder to write into"),
-    }
 }
 
 fn tell(console: Console, args: &Apply, report: &Report) -> Result<(), Failure> {

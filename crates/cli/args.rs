@@ -79,7 +79,7 @@ pub(crate) struct Apply {
     #[arg(short, long, value_name = "OUT", required_unless_present = "dry_run")]
     pub(crate) output: Option<PathBuf>,
     /// Frames a second
-    #[arg(long, default_value_t = 24.0, value_name = "RATE", value_parser = positive)]
+    #[arg(long, default_value_t = 24.0, value_name = "RATE", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) fps: f64,
     /// Only frames A up to, but not including, B. Default: from 0 to the end of the effect
     #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with = "at")]
@@ -153,7 +153,7 @@ pub(crate) struct Render {
     #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with = "at")]
     pub(crate) frames: Option<Range<u32>>,
     /// Frames a second
-    #[arg(long, default_value_t = 24.0, value_name = "RATE", value_parser = positive)]
+    #[arg(long, default_value_t = 24.0, value_name = "RATE", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) fps: f64,
     /// Pixels of each picture. Default: 960x540, of animations 640x360, in a sheet 400x300, in a comparison 640x480
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -169,7 +169,7 @@ pub(crate) struct Render {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
     pub(crate) target: Option<[f32; 3]>,
     /// Nearer by this factor
-    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) zoom: Option<f64>,
     /// Draw wires, references, domain curves, locators and lattices, with a legend
     #[arg(long)]
@@ -181,7 +181,7 @@ pub(crate) struct Render {
     /// The state before the effect beside the one after it
     #[arg(long)]
     pub(crate) compare: bool,
-    /// Without shadows and occlusion, in a tenth of the time
+    /// Without shadows and occlusion, in about a fifth of the time
     #[arg(long)]
     pub(crate) fast: bool,
     /// The clip of the model that plays, by name or number. Default: the first of a model, none under a preset
@@ -285,6 +285,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let sides = sides.filter(|sides: &[u32; 2]| !sides.contains(&0));
     sides.ok_or_else(|| "expected WIDTHxHEIGHT in pixels, such as 960x540".to_owned())
 }
 

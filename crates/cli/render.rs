@@ -1,7 +1,7 @@
 //! `wirework render`.
 
 use wirework::asset::printable;
-use wirework::{Fault, JobError, PictureJob, PictureReport, Shown, Viewpoint, When, picture};
+use wirework::{Fault, FileKind, JobError, PictureJob, PictureReport, Shown, Viewpoint, When, picture};
 
 use crate::args::Render;
 use crate::console::Console;
@@ -9,7 +9,8 @@ use crate::exit::Failure;
 use crate::{diagnostics, presets};
 
 pub(crate) fn run(console: Console, args: &Render) -> Result<(), Failure> {
-    if presets::is_preset(&args.shown) {
+    // What is no model by its name or its first bytes is a preset.
+    if presets::is_preset(&args.shown) || FileKind::of(&args.shown).is_none() {
         let preset = presets::read(console, &args.shown, &args.limits.preset(), args.strict)?;
         let shown = Shown::Preset {
             preset: &preset.parsed.preset,

@@ -3,18 +3,17 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use wirework_asset::{Limits, same_file, write_files};
+use wirework_asset::{Limits, check_output, same_file, write_files};
 use wirework_bake::{Bake, Settings};
 use wirework_preset::Preset;
 
 use crate::film::{Film, check_clip};
 use crate::mask::masks;
-use crate::motion::Motion;
-use crate::output::{Scene, Target};
+use crate::motion::Basis;
+use crate::output::{Pattern, Scene, Target};
 use crate::report::peak_bytes;
 use crate::source::{Source, parts};
-use crate::subject::{Subject, unfit};
-use crate::{Evaluation, JobError, Report, Schedule, When, schedule};
+use crate::{JobError, Report, Schedule, When, schedule};
 
 /// What to apply, to what, and how.
 #[derive(Clone, Debug)]
@@ -134,20 +133,14 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         ..Report::default()
     };
     let masks = masks(&subject, &preset.effects, source.folder(), &job.limits)?.complete()?;
-    let bounds = subject.bounds();
-    let Subject { points, triangles, model, net, point_of, own } = subject;
+    let (basis, model, point_of) = Basis::of(subject);
     if let Some(clip) = job.clip {
         check_clip(&model, clip)?;
     }
     for path in parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())) {
         guard_report(job, &path)?;
     }
-    let evaluation = Evaluation::masked(&preset.effects, masks, &points, &triangles, bounds);
-    let mut motion = Motion::new(evaluation.map_err(unfit(own))?, &points, own);
-    let surface = if net.is_some() { model.mesh_positions() } else { Vec::new() };
-    if let Some(net) = &net {
-        motion = motion.controlling(net, &surface)?;
-    }
+    let motion = basis.bind(&preset.effects, masks)?;
     let mut film = Film { motion, schedule, shade: Duration::ZERO, write: Duration::ZERO, progress };
     let product = match (target, model) {
         (Target::Gltf(format), model) => film.gltf(job, format, Scene::new(model, point_of, &job.limits)?)?,
@@ -182,12 +175,21 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     Ok(report)
 }
 
-/// Refuses a path in a folder that is not there.
-pub(crate) fn check_folder(path: &Path) -> Result<(), JobError> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    match folder.filter(|folder| !folder.is_dir()) {
-        Some(folder) => Err(JobError::NoFolder(folder.to_path_buf())),
-        None => Ok(()),
+/// Refuses a place that takes no file, before any work is done. Files of a `sequence` may have a folder made for them.
+pub(crate) fn check_place(path: &Path, sequence: bool) -> Result<(), JobError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !sequence {
+        return if folder.is_dir() {
+            Ok(check_output(path)?)
+        } else {
+            Err(JobError::NoFolder(folder.to_path_buf()))
+        };
+    }
+    let there =
+        folder.ancestors().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    match there.into_iter().find(|folder| folder.exists()) {
+        Some(there) if there.is_dir() => Ok(check_output(&there.join("0"))?),
+        _ => Err(JobError::NoFolder(folder.to_path_buf())),
     }
 }
 
@@ -204,7 +206,7 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, JobError> {
     job.source().guard(path, job.in_place)?;
     guard_report(job, path)?;
     if !job.dry_run {
-        check_folder(path)?;
+        check_place(path, Pattern::of(path).is_some())?;
     }
     let name = wirework_asset::printable(&path.display().to_string());
     let Some(target) = Target::of(path) else {

@@ -7,7 +7,7 @@ use wirework_asset::{AssetError, ErrorClass, printable};
 use wirework_bake::BakeError;
 use wirework_core::BindError;
 use wirework_preset::{ObjectError, PresetError, PresetErrorKind};
-use wirework_render::{EncodeError, RenderError};
+use wirework_render::{EncodeError, MAX_SIDE, RenderError};
 use wirework_surface::{MeshError, NearestError, NormalsError};
 use wirework_wrinkle::WrinkleError;
 
@@ -29,7 +29,7 @@ pub enum Fault {
     Limit,
 }
 
-/// Why an effect was not applied. Nothing has been written then.
+/// Why an effect was not applied, or a picture not made. Nothing has been written then.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum JobError {
@@ -83,6 +83,17 @@ pub enum JobError {
     /// The request does not fit itself or the input.
     #[error("{0}")]
     Request(String),
+    /// A row of pictures would be too long.
+    #[error(
+        "{pictures} pictures in a row would be {width} pixels wide; at most {MAX_SIDE} are possible: take fewer, or smaller \
+         ones with `--size`"
+    )]
+    Row {
+        /// How many pictures.
+        pictures: u32,
+        /// Pixels across.
+        width: u32,
+    },
     /// A picture cannot be made.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -90,8 +101,13 @@ pub enum JobError {
     #[error(transparent)]
     Encode(#[from] EncodeError),
     /// What is to be shown has no size, no area and no points.
-    #[error("there is nothing to see: expected a surface with an area, lines or points")]
+    #[error(
+        "{}: there is nothing to see; expected a surface with an area, lines, or points that lie apart",
+        printable(.file)
+    )]
     NothingToSee {
+        /// The model, or the preset that brings it along.
+        file: String,
         /// Whether the object is made of numbers in the preset.
         own: bool,
     },
@@ -114,7 +130,7 @@ impl JobError {
             Self::UnknownFile { .. }
             | Self::Mesh(_)
             | Self::Strict(_)
-            | Self::NothingToSee { own: false } => Fault::Asset,
+            | Self::NothingToSee { own: false, .. } => Fault::Asset,
             Self::Evaluate(error) => of_evaluation(error),
             Self::OwnObject(error) => match of_evaluation(error) {
                 Fault::Asset => Fault::Preset,
@@ -125,12 +141,14 @@ impl JobError {
             | Self::Preset(_)
             | Self::Object(_)
             | Self::OutOfRange { .. }
-            | Self::NothingToSee { own: true }
+            | Self::NothingToSee { own: true, .. }
             | Self::Bake(BakeError::Frame { .. }) => Fault::Preset,
-            Self::Schedule(ScheduleError::TooMany { .. }) | Self::Bake(BakeError::TooManyTargets { .. }) => {
+            Self::Schedule(ScheduleError::TooMany { .. })
+            | Self::Bake(BakeError::TooManyTargets { .. })
+            | Self::Row { .. } => Fault::Limit,
+            Self::Render(RenderError::Size { .. } | RenderError::Samples { .. } | RenderError::TooMany) => {
                 Fault::Limit
             }
-            Self::Render(RenderError::Size { .. } | RenderError::Samples { .. }) => Fault::Limit,
             Self::Schedule(_)
             | Self::Request(_)
             | Self::Render(_)

@@ -58,7 +58,7 @@ impl Film<'_> {
     }
 
     pub(crate) fn gltf(&mut self, job: &Job<'_>, format: Format, scene: Scene) -> Result<Product, JobError> {
-        let Scene { mut gltf, rest, point_of } = scene;
+        let Scene { mut gltf, rest, point_of, .. } = scene;
         let known = gltf.warnings().len();
         let clips = gltf.clip_names().len();
         let start = Instant::now();
@@ -104,11 +104,10 @@ impl Film<'_> {
         output: Option<&Path>,
     ) -> Result<Product, JobError> {
         let mut files = Vec::new();
-        let mut keep = |frame, bytes| {
-            let path = pattern.map(|pattern| pattern.file(frame));
-            if let Some(path) = path.as_deref().or(output) {
-                files.push(OutputFile::new(path, bytes));
-            }
+        let mut keep = |frame, bytes| match (pattern, output) {
+            (Some(pattern), _) => files.push(pattern.output(frame, bytes)),
+            (None, Some(path)) => files.push(OutputFile::new(path, bytes)),
+            (None, None) => {}
         };
         let start = Instant::now();
         match model {

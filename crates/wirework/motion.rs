@@ -1,10 +1,48 @@
 //! The points of an effect at any moment, and the surface that they control.
 
-use wirework_preset::ObjectError;
-use wirework_surface::Tessellation;
+use wirework_preset::{Effect, ObjectError};
+use wirework_surface::{Bounds, Tessellation};
 
-use crate::subject::unfit;
+use crate::mask::Masks;
+use crate::subject::{Model, Subject, unfit};
 use crate::{ControlNet, Evaluation, JobError};
+
+/// What an effect is bound to: the points of a subject at rest, taken out of it.
+pub(crate) struct Basis {
+    points: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// What `units: Bounds` are parts of.
+    bounds: Option<Bounds>,
+    /// A net whose control points the points are, and the positions of its surface.
+    net: Option<(ControlNet, Vec<[f32; 3]>)>,
+    /// Whether the object is made of numbers in the preset.
+    pub(crate) own: bool,
+}
+
+impl Basis {
+    /// Takes a subject apart: what effects are bound to, the model, and for each of its positions the point.
+    pub(crate) fn of(subject: Subject) -> (Self, Model, Vec<u32>) {
+        let bounds = subject.bounds();
+        let Subject { points, triangles, model, net, point_of, own } = subject;
+        let surface = match (&net, &model) {
+            (Some(_), Model::Mesh { mesh, .. }) => mesh.positions.clone(),
+            _ => Vec::new(),
+        };
+        let net = net.map(|net| (net, surface));
+        (Self { points, triangles, bounds, net, own }, model, point_of)
+    }
+
+    /// Binds effects, with the masks of each.
+    pub(crate) fn bind(&self, effects: &[Effect], masks: Masks) -> Result<Motion<'_>, JobError> {
+        let Self { points, triangles, bounds, net, own } = self;
+        let evaluation =
+            Evaluation::masked(effects, masks, points, triangles, *bounds).map_err(unfit(*own))?;
+        let motion = Motion { points, now: points.clone(), evaluation, net: None, own: *own };
+        let Some((net, surface)) = net else { return Ok(motion) };
+        let controlled = Controlled { surface: net.surface()?, controls: points.clone() };
+        Ok(Motion { points: surface, now: surface.clone(), net: Some(controlled), ..motion })
+    }
+}
 
 /// An effect on its points.
 pub(crate) struct Motion<'a> {
@@ -25,18 +63,7 @@ struct Controlled<'a> {
     controls: Vec<[f32; 3]>,
 }
 
-impl<'a> Motion<'a> {
-    /// An effect on a model's own points; `own`: whether the object is made of numbers in the preset.
-    pub(crate) fn new(evaluation: Evaluation<'a>, points: &'a [[f32; 3]], own: bool) -> Self {
-        Self { points, now: points.to_vec(), evaluation, net: None, own }
-    }
-
-    /// The effect moves the control points of a net, and the model's positions are those of its surface.
-    pub(crate) fn controlling(self, net: &'a ControlNet, surface: &'a [[f32; 3]]) -> Result<Self, JobError> {
-        let controlled = Controlled { surface: net.surface()?, controls: self.points.to_vec() };
-        Ok(Self { points: surface, now: surface.to_vec(), net: Some(controlled), ..self })
-    }
-
+impl Motion<'_> {
     /// Works out where the points are at a moment.
     pub(crate) fn at(&mut self, seconds: f64) -> Result<(), JobError> {
         let moved = self.net.as_mut().map_or(&mut self.now, |net| &mut net.controls);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use wirework_asset::{Format, Gltf, Limits, NewMesh, Rest};
+use wirework_asset::{Format, Gltf, Limits, NewMesh, OutputFile, Rest};
 use wirework_surface::{Mesh, VertexMesh};
 
 use crate::JobError;
@@ -64,6 +64,11 @@ impl Pattern {
         let Self { folder, before, digits, after } = self;
         folder.join(format!("{before}{frame:0digits$}{after}"))
     }
+
+    /// What is written of a frame; for a sequence the folder is made.
+    pub(crate) fn output(&self, frame: u32, bytes: Vec<u8>) -> OutputFile {
+        OutputFile { folders: true, ..OutputFile::new(self.file(frame), bytes) }
+    }
 }
 
 /// A glTF scene, and for each of its vertices the point.
@@ -71,13 +76,17 @@ pub(crate) struct Scene {
     pub(crate) gltf: Gltf,
     pub(crate) rest: Rest,
     pub(crate) point_of: Vec<u32>,
+    /// Of a mesh, for each vertex the position it is made of.
+    pub(crate) source: Option<Vec<u32>>,
 }
 
 impl Scene {
     /// The scene of a model; a mesh gets a document of its own.
     pub(crate) fn new(model: Model, point_of: Vec<u32>, limits: &Limits) -> Result<Self, JobError> {
         let (name, mesh) = match model {
-            Model::Gltf { gltf, rest } => return Ok(Self { gltf: *gltf, rest: *rest, point_of }),
+            Model::Gltf { gltf, rest } => {
+                return Ok(Self { gltf: *gltf, rest: *rest, point_of, source: None });
+            }
             Model::Mesh { name, mesh, .. } => (name, mesh),
         };
         let VertexMesh { positions, normals, uvs, triangles, source } = VertexMesh::new(&mesh)?;
@@ -97,7 +106,7 @@ impl Scene {
         let rest = gltf.rest()?;
         let point_of =
             source.iter().map(|&i| point_of.get(i as usize).copied().unwrap_or_default()).collect();
-        Ok(Self { gltf, rest, point_of })
+        Ok(Self { gltf, rest, point_of, source: Some(source) })
     }
 }
 

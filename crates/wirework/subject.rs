@@ -59,16 +59,6 @@ pub enum FileKind {
     Obj,
 }
 
-impl Model {
-    /// The positions of a mesh; none of a scene.
-    pub(crate) fn mesh_positions(&self) -> Vec<[f32; 3]> {
-        match self {
-            Self::Mesh { mesh, .. } => mesh.positions.clone(),
-            Self::Gltf { .. } => Vec::new(),
-        }
-    }
-}
-
 impl FileKind {
     /// What a file is: by its extension, or else by its first bytes. None where neither says.
     pub fn of(path: &Path) -> Option<Self> {

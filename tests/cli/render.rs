@@ -49,7 +49,6 @@ fn pictures_are_as_large_as_they_are_to_be() {
 #[test]
 fn frames_are_numbered_and_the_camera_stays() {
     let place = Place::new();
-    std::fs::create_dir(place.path("frames")).unwrap();
     place.run("render lift.ron -o frames/####.png --fps 4 --size 160x90 --fast").expect(0);
     let names: Vec<String> = (0..5).map(|k| format!("frames/{k:04}.png")).collect();
     let shots: Vec<RgbImage> = names.iter().map(|name| picture(&place, name)).collect();
@@ -212,6 +211,7 @@ fn what_cannot_be_shown_is_refused_and_leaves_nothing() {
     place.write("rod.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
     place.write("ball.ron", "Deform(object: Sphere(radius: 1), wires: [Wire(curve: Polyline([(0, 0, 0), (1, 0, 0)]), twist: 90)])");
     place.write("text.txt", "hello");
+    std::fs::create_dir(place.path("folder.png")).unwrap();
     place.write("model.gltf", r#"{"asset": {"version": "2.0"}, "images": [{"uri": "a.png"}]}"#);
     place.run("apply lift.ron -o lift.glb").expect(0);
     let there = place.files();
@@ -219,24 +219,27 @@ fn what_cannot_be_shown_is_refused_and_leaves_nothing() {
         ("bare.ron -o a.png", 4, "names no object"),
         ("none.ron -o a.png", 4, "none.ron"),
         ("none.glb -o a.png", 3, "none.glb"),
-        ("text.txt -o a.png", 3, "unknown kind"),
+        ("text.txt -o a.png", 4, "text.txt"),
         ("dot.obj -o a.png", 3, "nothing to see"),
         ("rod.obj -o a.png", 3, "nothing to see"),
         ("ball.ron -o a.png --eye 0,0.2,0", 2, "inside the object"),
         ("ball.ron -o a.png --eye 0,0,5 --target 0,0,5", 2, "camera"),
         ("lift.ron -o none/a.png", 1, "no such folder"),
         ("lift.ron -o . ", 2, "extension"),
+        ("lift.ron -o folder.png", 1, "a folder"),
+        ("lift.ron -o lift.ron/a.png", 1, "no such folder"),
+        ("lift.ron -o lift.ron/####.png", 1, "no such folder"),
         ("lift.ron -o a.jpg", 2, "expected .png, .gif or .apng"),
         ("lift.ron -o a.png --size 100000x100000", 5, "each side must be 1 to"),
         ("lift.ron -o a.png --size 16000x16000", 5, "too large"),
-        ("lift.ron -o a.png --sheet=64 --size 16000x100", 5, "pixels"),
-        ("lift.ron -o a.png --size 0x5", 5, "each side"),
+        ("lift.ron -o a.png --sheet=64 --size 16000x100", 5, "64 pictures in a row"),
+        ("lift.ron -o a.png --size 0x5", 2, "WIDTHxHEIGHT"),
         ("lift.ron -o a.png --size five", 2, "WIDTHxHEIGHT"),
         ("lift.ron -o a.png --frames 0..3", 2, "one moment"),
         ("lift.ron -o a####.png --at 1", 2, "####"),
         ("lift.ron -o a####.gif", 2, "####"),
         ("lift.ron -o a.gif --sheet", 2, "sheet"),
-        ("lift.ron -o a.gif --fps 1e6", 5, "frames"),
+        ("lift.ron -o a.gif --fps 1e6", 2, "0.01 to 1000 are possible"),
         ("lift.glb lift.ron -o a.png", 2, "found a model"),
         ("lift.ron -o a.png --view up", 2, "three-quarter"),
         ("lift.ron -o a.png --view 10,100", 2, "degrees"),
@@ -267,15 +270,136 @@ fn nothing_that_is_read_is_written_over() {
     let err = place.run("render signs.glb -o wood.png --size 32x32").expect(2).err();
     assert!(err.contains("a file that the model reads"), "{err}");
     assert_eq!(place.read("wood.png"), wood);
-    place.write("preset.png", crate::place::LIFT);
-    let done = place.run("render lift.ron -o out.png --size 32x32 --fast").expect(0);
-    assert!(done.err().contains("wrote out.png"));
+    let masked = "Deform(object: Grid(size: (1, 1)), mask: Image(\"wood.png\"), wires: [Wire(curve: Polyline([(0, 0, 0), (1, 0, 0)]), twist: 9)])";
+    place.write("masked.ron", masked);
+    let err = place.run("render masked.ron -o wood.png --size 32x32").expect(2).err();
+    assert!(err.contains("an image that the preset reads"), "{err}");
+    std::fs::rename(place.path("wood.png"), place.path("wood0001.png")).unwrap();
+    place.write(
+        "masked.ron",
+        masked.replace("wood.png", "wood0001.png").replace("twist: 9", "twist: Keys([(0, 0), (1, 9)])"),
+    );
+    place.run("render masked.ron -o wood####.png --size 32x32").expect(2);
+    assert_eq!(place.read("wood0001.png"), wood);
+}
+
+/// A quad in the plane z = 0 with a material, and whatever else its positions hold.
+fn quad(positions: &[f32], material: &serde_json::Value) -> Doc {
+    let mut doc = Doc::new();
+    let uvs = [0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0].repeat(positions.len() / 12 + 1);
+    let attributes = json!({
+        "POSITION": doc.floats("VEC3", positions),
+        "TEXCOORD_0": doc.floats("VEC2", &uvs[..positions.len() / 3 * 2]),
+    });
+    let corners: Vec<u8> = [0_u16, 1, 2, 0, 2, 3].into_iter().flat_map(u16::to_le_bytes).collect();
+    let corners = doc.accessor(json!({ "componentType": 5123, "type": "SCALAR", "count": 6 }), &corners);
+    let mesh = doc.mesh(&json!({ "attributes": attributes, "indices": corners, "material": 0 }));
+    doc.node(json!({ "mesh": mesh }));
+    doc.json["materials"] = json!([material]);
+    doc
+}
+
+const QUAD: [f32; 12] = [-1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 2.0, 0.0, -1.0, 2.0, 0.0];
+
+#[test]
+fn only_what_is_seen_is_framed() {
+    let place = Place::new();
+    let red = json!({ "pbrMetallicRoughness": { "baseColorFactor": [1, 0, 0, 1] } });
+    place.write("quad.glb", quad(&QUAD, &red).glb());
+    place.write("stray.glb", quad(&[&QUAD[..], &[50.0, -50.0, 1e20]].concat(), &red).glb());
+    for name in ["quad", "stray"] {
+        place.run(&format!("render {name}.glb -o {name}.png --size 96x72")).expect(0);
+    }
+    assert_eq!(place.read("quad.png"), place.read("stray.png"));
+    place.write("point.obj", "v 3 4 5\n");
+    place.run("render point.obj -o point.png --size 96x72").expect(0);
+    let dark = picture(&place, "point.png").pixels().filter(|p| p.0.iter().all(|c| *c < 60)).count();
+    assert!(dark > 3, "one point is seen: {dark}");
+    place.run("render quad.glb -o above.png --size 96x72 --eye 0,9,0").expect(0);
+}
+
+#[test]
+fn what_is_clear_is_left_out() {
+    let place = Place::new();
+    let shot = |mode: &str, alpha: f64| {
+        let material = json!({
+            "alphaMode": mode, "alphaCutoff": 0.6,
+            "pbrMetallicRoughness": { "baseColorFactor": [1, 0, 0, alpha] },
+        });
+        place.write("quad.glb", quad(&QUAD, &material).glb());
+        place.run("render quad.glb -o a.png --fast --size 96x72").code()
+    };
+    for (mode, alpha, code) in [
+        ("OPAQUE", 0.0, 0),
+        ("MASK", 0.7, 0),
+        ("MASK", 0.5, 3),
+        ("BLEND", 0.7, 0),
+        ("BLEND", 0.3, 3),
+        ("BLEND", 0.0, 3),
+    ] {
+        assert_eq!(shot(mode, alpha), code, "{mode} {alpha}");
+    }
+}
+
+#[test]
+fn textures_share_one_limit() {
+    let place = Place::new();
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let green = RgbImage::from_pixel(256, 256, image::Rgb([0, 255, 0]));
+    green.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    let textured = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } });
+    let mut doc = quad(&QUAD, &textured);
+    place.write("green.png", bytes.into_inner());
+    doc.json["images"] = json!([{ "uri": "green.png" }]);
+    doc.json["textures"] = json!([{ "source": 0 }]);
+    place.write("quad.glb", doc.glb());
+    let shot = |flags: &str| {
+        let done = place
+            .run(&format!("render quad.glb -o a.png --fast --size 96x72 --view front {flags}"))
+            .expect(0);
+        let green = |p: &&image::Rgb<u8>| p.0[1] > p.0[0].saturating_add(60);
+        (
+            picture(&place, "a.png").pixels().filter(green).count() > 500,
+            done.err().contains("--max-expanded-bytes"),
+        )
+    };
+    assert_eq!(shot(""), (true, false));
+    assert_eq!(shot("--max-expanded-bytes 300000"), (false, true), "left out, and told");
+}
+
+#[test]
+fn a_still_of_something_long_needs_no_frames() {
+    let place = Place::new();
+    let mut doc = signs();
+    let times = doc.floats("SCALAR", &[0.0, 1e5]);
+    doc.json["animations"][0]["samplers"][0]["input"] = json!(times);
+    place.write("long.glb", doc.glb());
+    place.run("render long.glb -o a.png --fast --size 64x48").expect(0);
+    place.run("render long.glb -o a.png --fast --size 64x48 --sheet=3").expect(0);
+    place.run("render long.glb -o a.gif --fast --size 64x48").expect(5);
+    place.run("render lift.ron -o a.png --fast --size 64x48 --sheet=3 --frames 5..6").expect(0);
+    assert_eq!(picture(&place, "a.png").dimensions(), (64, 48), "one moment is one picture");
+}
+
+#[test]
+fn what_shows_nothing_is_told() {
+    let place = Place::new();
+    place.run("apply lift.ron -o lift.glb --at 1").expect(0);
+    let told = |line: &str| place.run(&format!("render {line} -o a.png --fast --size 64x48")).expect(0).err();
+    assert!(told("lift.glb --wires").contains("[no-wires]"));
+    assert!(told("lift.glb --compare").contains("[no-effect]"));
+    place.write("still.ron", "Deform(object: Grid(size: (1, 1)), wires: [Wire(curve: Polyline([(0, 0, 0), (1, 0, 0)]), twist: 9)])");
+    let err = told("still.ron");
+    assert!(!err.contains("moved most"), "there was no choice: {err}");
 }
 
 #[test]
 fn every_shared_asset_has_a_picture_or_a_named_refusal() {
     let Some(folder) = shared("") else { return };
     let place = Place::new();
+    // Looking up, past everything.
+    place.run("render lift.ron -o empty.png --fast --size 96x72 --eye 0,50,0 --target 0,90,1").expect(0);
+    let empty = picture(&place, "empty.png");
     let mut open = vec![folder];
     let mut seen = 0;
     while let Some(path) = open.pop() {
@@ -292,9 +416,11 @@ fn every_shared_asset_has_a_picture_or_a_named_refusal() {
         match done.code() {
             0 => {
                 let shown = picture(&place, "a.png");
-                let first = *shown.get_pixel(0, 0);
-                let far = |p: &&image::Rgb<u8>| (0..3).any(|k| p.0[k].abs_diff(first.0[k]) > 30);
-                assert!(shown.pixels().filter(far).count() > 40, "{name}: hardly anything is seen");
+                let far = |(p, q): &(&image::Rgb<u8>, &image::Rgb<u8>)| {
+                    (0..3).any(|k| p.0[k].abs_diff(q.0[k]) > 20)
+                };
+                let seen = shown.pixels().zip(empty.pixels()).filter(far).count();
+                assert!(seen > 40, "{name}: hardly anything is seen: {seen}");
             }
             3 => assert!(done.err().contains("extension"), "{name}: {}", done.err()),
             code => panic!("{name}: exit {code}: {}", done.err()),

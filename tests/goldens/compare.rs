@@ -13,12 +13,12 @@ use image::{AnimationDecoder, RgbImage};
 
 /// A pixel differs where one of its channels does by more than this. A palette's colours are further apart.
 const STEP: u8 = 4;
-const PALETTE_STEP: u8 = 24;
+const PALETTE_STEP: u8 = 12;
 /// Parts of all pixels that may differ.
 const SHARE: f64 = 1e-3;
 /// How far all channels may be off in the mean.
 const MEAN: f64 = 0.25;
-const PALETTE_MEAN: f64 = 1.5;
+const PALETTE_MEAN: f64 = 0.4;
 /// How much differences are enlarged to be seen.
 const GAIN: u8 = 8;
 

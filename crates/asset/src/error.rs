@@ -33,6 +33,8 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => Ok(()),
+            // The document itself.
+            Self::Pointer(pointer) if pointer.is_empty() => Ok(()),
             Self::Pointer(pointer) => write!(f, ": {}", printable(pointer)),
             Self::Line(line) => write!(f, ":{line}"),
             Self::Byte(byte) => write!(f, ": byte {byte}"),

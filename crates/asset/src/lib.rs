@@ -53,7 +53,7 @@ pub use limits::Limits;
 pub use look::{Alpha, Look};
 pub use morph::{MeshTarget, MorphTarget};
 pub use obj::{Obj, ObjMembers, write_obj};
-pub use output::{OutputFile, same_file, write_files};
+pub use output::{OutputFile, Spool, check_output, same_file, write_files};
 pub use player::Player;
 pub use primitive::Mode;
 pub use rest::{Block, LocalDeltas, Part, Rest};

@@ -20,10 +20,6 @@ pub struct Look {
     pub texture: Option<TextureUse>,
     /// What alpha means. Default [`Alpha::Opaque`].
     pub alpha: Alpha,
-    /// Whether the backs of triangles are seen. Default no.
-    pub double_sided: bool,
-    /// Whether no light changes its colour. Default no.
-    pub unlit: bool,
 }
 
 /// What the alpha of a part's colour means.
@@ -39,7 +35,7 @@ pub enum Alpha {
 
 impl Default for Look {
     fn default() -> Self {
-        Self { color: None, texture: None, alpha: Alpha::Opaque, double_sided: false, unlit: false }
+        Self { color: None, texture: None, alpha: Alpha::Opaque }
     }
 }
 
@@ -79,9 +75,6 @@ impl Gltf {
             look.texture = told(self.texture(base, texture), None, warnings);
         }
         look.alpha = told(alpha(material), look.alpha, warnings);
-        look.double_sided = told(flag(material, "doubleSided"), false, warnings);
-        let unlit = extension(material, "KHR_materials_unlit").map(|unlit| unlit.is_some());
-        look.unlit = told(unlit, false, warnings);
         look
     }
 
@@ -135,9 +128,4 @@ fn alpha(material: Json<'_>) -> Result<Alpha, AssetError> {
         }
         _ => Err(mode.fault("OPAQUE, MASK or BLEND")),
     }
-}
-
-fn flag(json: Json<'_>, key: &'static str) -> Result<bool, AssetError> {
-    let Some(flag) = json.get(key)? else { return Ok(false) };
-    flag.value().as_bool().ok_or_else(|| flag.fault("true or false"))
 }

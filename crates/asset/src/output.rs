@@ -1,12 +1,16 @@
 //! Files that are written whole or not at all.
 
+use std::borrow::Cow;
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::{Builder, NamedTempFile};
+use tempfile::{Builder, NamedTempFile, TempPath};
 
 use crate::error::{AssetError, ErrorClass};
+
+/// How the names of files begin that are written beside their places.
+const PREFIX: &str = ".wirework-";
 
 /// A file to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,18 +21,88 @@ pub struct OutputFile {
     pub bytes: Vec<u8>,
     /// Whether it may replace a file. Copies of files that belong to an input may not replace other files.
     pub replace: bool,
+    /// Whether folders are made that are not there.
+    pub folders: bool,
 }
 
 impl OutputFile {
     /// A file that replaces what stands at `path`.
     pub fn new(path: impl Into<PathBuf>, bytes: Vec<u8>) -> Self {
-        Self { path: path.into(), bytes, replace: true }
+        Self { path: path.into(), bytes, replace: true, folders: false }
     }
 }
 
 /// Writes files, in their order: all are written beside their places and flushed before the first takes its place,
 /// so that a failure leaves what was there before, and nothing else.
 pub fn write_files(files: &[OutputFile]) -> Result<(), AssetError> {
+    write_each(files.iter().map(|file| Ok(Cow::Borrowed(file))))
+}
+
+/// Files that are made one after the other and written together: until then they are kept out of memory, in a file without a name that
+/// goes with the process.
+#[derive(Debug)]
+pub struct Spool {
+    store: File,
+    /// The files without their bytes, and how many each has.
+    files: Vec<(OutputFile, usize)>,
+}
+
+impl Spool {
+    /// An empty one.
+    ///
+    /// # Errors
+    ///
+    /// The system's folder for temporary files takes none.
+    pub fn new() -> Result<Self, AssetError> {
+        let store = tempfile::tempfile().map_err(|error| Self::failed(&error))?;
+        Ok(Self { store, files: Vec::new() })
+    }
+
+    /// Adds a file.
+    ///
+    /// # Errors
+    ///
+    /// The disk is full, or cannot be written.
+    pub fn add(&mut self, mut file: OutputFile) -> Result<(), AssetError> {
+        let bytes = std::mem::take(&mut file.bytes);
+        self.store.write_all(&bytes).map_err(|error| Self::failed(&error))?;
+        self.files.push((file, bytes.len()));
+        Ok(())
+    }
+
+    /// How many files there are.
+    pub fn len(&self) -> usize {
+        self.files.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.files.is_empty()
+    }
+
+    /// Writes all of them, as [`write_files`] does.
+    ///
+    /// # Errors
+    ///
+    /// A file cannot be written; then none is.
+    pub fn write(mut self) -> Result<(), AssetError> {
+        self.store.rewind().map_err(|error| Self::failed(&error))?;
+        let Self { mut store, files } = self;
+        write_each(files.into_iter().map(|(mut file, length)| {
+            file.bytes.resize(length, 0);
+            store.read_exact(&mut file.bytes).map_err(|error| Self::failed(&error))?;
+            Ok(Cow::Owned(file))
+        }))
+    }
+
+    fn failed(error: &std::io::Error) -> AssetError {
+        AssetError::output(&std::env::temp_dir(), error, "keep files in")
+    }
+}
+
+fn write_each<'f>(
+    files: impl Iterator<Item = Result<Cow<'f, OutputFile>, AssetError>>,
+) -> Result<(), AssetError> {
     let mut made = Vec::new();
     let result = write_all(files, &mut made);
     if result.is_err() {
@@ -38,10 +112,15 @@ pub fn write_files(files: &[OutputFile]) -> Result<(), AssetError> {
     result
 }
 
-fn write_all(files: &[OutputFile], made: &mut Vec<PathBuf>) -> Result<(), AssetError> {
-    let mut ready: Vec<(NamedTempFile, PathBuf)> = Vec::with_capacity(files.len());
+fn write_all<'f>(
+    files: impl Iterator<Item = Result<Cow<'f, OutputFile>, AssetError>>,
+    made: &mut Vec<PathBuf>,
+) -> Result<(), AssetError> {
+    // Closed, for a process may not have thousands of files open.
+    let mut ready: Vec<(TempPath, PathBuf)> = Vec::new();
     let mut devices = Vec::new();
     for file in files {
+        let file = file?;
         let path = resolve(&file.path);
         let metadata = fs::metadata(&path).ok();
         if metadata.as_ref().is_some_and(fs::Metadata::is_dir) {
@@ -58,17 +137,17 @@ fn write_all(files: &[OutputFile], made: &mut Vec<PathBuf>) -> Result<(), AssetE
             ));
         }
         if metadata.as_ref().is_some_and(|metadata| !metadata.is_file()) {
-            devices.push((path, &file.bytes));
+            devices.push((path, file.into_owned().bytes));
             continue;
         }
-        if !file.replace {
+        if file.folders {
             make_folders(folder_of(&path), made)?;
         }
-        ready.push((prepare(&path, &file.bytes, metadata.as_ref())?, path));
+        ready.push((prepare(&path, &file.bytes, metadata.as_ref())?.into_temp_path(), path));
     }
     for (path, bytes) in devices {
         let written =
-            fs::OpenOptions::new().write(true).open(&path).and_then(|mut file| file.write_all(bytes));
+            fs::OpenOptions::new().write(true).open(&path).and_then(|mut file| file.write_all(&bytes));
         written.map_err(|error| AssetError::output(&path, &error, "write"))?;
     }
     for (temporary, path) in ready {
@@ -98,7 +177,7 @@ fn prepare(path: &Path, bytes: &[u8], old: Option<&fs::Metadata>) -> Result<Name
         return Err(refused(folder, "no such folder", "a folder to write into"));
     }
     let mut builder = Builder::new();
-    builder.prefix(".wirework-");
+    builder.prefix(PREFIX);
     #[cfg(unix)]
     {
         // As any new file: readable as the user's mask says, not private as temporary files are.
@@ -132,7 +211,41 @@ fn refused(path: &Path, found: &str, expected: &str) -> AssetError {
 
 /// Whether two paths lead to one file, by whatever names and links. A path without a file is no other's file.
 pub fn same_file(a: &Path, b: &Path) -> bool {
-    same_file::is_same_file(a, b).unwrap_or(false)
+    // Comparing opens them, and to open a pipe is to wait for its other end.
+    let regular =
+        |path: &Path| fs::metadata(path).is_ok_and(|metadata| metadata.is_file() || metadata.is_dir());
+    regular(a) && regular(b) && same_file::is_same_file(a, b).unwrap_or(false)
+}
+
+/// Whether a new file can stand at `path`: before there is anything to write, and without leaving anything.
+///
+/// # Errors
+///
+/// Of class [`ErrorClass::Io`]: there is a folder in its place, or the folder it is to stand in takes no files.
+pub fn check_output(path: &Path) -> Result<(), AssetError> {
+    let path = resolve(path);
+    match fs::metadata(&path) {
+        Ok(metadata) if metadata.is_dir() => {
+            return Err(refused(&path, "a folder", "a file, or no file yet"));
+        }
+        // A pipe or a terminal takes what it is given.
+        Ok(metadata) if !metadata.is_file() => return Ok(()),
+        Ok(metadata) if metadata.permissions().readonly() => {
+            return Err(refused(&path, "a file that is read-only", "one that may be replaced"));
+        }
+        _ => {}
+    }
+    let folder = folder_of(&path);
+    if !folder.is_dir() {
+        return Err(refused(&path, "no such folder", "a folder to write into"));
+    }
+    // Only making a file tells whether one can be made; this one goes at once.
+    match Builder::new().prefix(PREFIX).tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(error) => {
+            Err(refused(&path, &format!("no place for it ({})", error.kind()), "a folder to write into"))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -161,10 +274,41 @@ mod tests {
         write_files(&[OutputFile::new(&path, b"1".to_vec())]).unwrap();
         write_files(&[OutputFile::new(&path, b"2".to_vec())]).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"2");
-        let copy = |bytes: &[u8]| [OutputFile { path: path.clone(), bytes: bytes.to_vec(), replace: false }];
+        let copy = |bytes: &[u8]| [OutputFile { replace: false, ..OutputFile::new(&path, bytes.to_vec()) }];
         write_files(&copy(b"2")).unwrap();
         assert!(write_files(&copy(b"3")).is_err());
         assert_eq!(fs::read(&path).unwrap(), b"2");
+    }
+
+    #[test]
+    fn a_spool_writes_more_files_than_may_be_open() {
+        const MANY: usize = 3000;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |k: usize| folder.path().join(format!("new/{k}"));
+        let mut spool = Spool::new().unwrap();
+        for k in 0..MANY {
+            let file = OutputFile::new(at(k), k.to_string().into_bytes());
+            spool.add(OutputFile { folders: true, ..file }).unwrap();
+        }
+        assert_eq!((spool.len(), fs::read_dir(folder.path()).unwrap().count()), (MANY, 0));
+        spool.write().unwrap();
+        assert!((0..MANY).all(|k| fs::read(at(k)).unwrap() == k.to_string().as_bytes()));
+        let mut spool = Spool::new().unwrap();
+        spool.add(OutputFile::new(at(0), b"new".to_vec())).unwrap();
+        spool.add(OutputFile::new(folder.path(), b"new".to_vec())).unwrap();
+        assert!(spool.write().is_err() && fs::read(at(0)).unwrap() == b"0", "none is written");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_never_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(
+            std::process::Command::new("mkfifo").arg(&pipe).status().is_ok_and(|status| status.success())
+        );
+        fs::write(folder.path().join("a"), "x").unwrap();
+        assert!(!same_file(&pipe, &folder.path().join("a")) && check_output(&pipe).is_ok());
     }
 
     #[cfg(unix)]

@@ -135,7 +135,7 @@ impl Gltf {
                 continue;
             }
             if let Ok(bytes) = uri::read_below(from, &relative, &mut budget) {
-                files.push(OutputFile { path, bytes, replace: false });
+                files.push(OutputFile { path, bytes, replace: false, folders: true });
             }
         }
         files

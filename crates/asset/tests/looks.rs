@@ -55,7 +55,7 @@ fn all_of_a_look_is_read() {
     let (found, warnings) = look(&doc);
     assert!(warnings.is_empty(), "{warnings:?}");
     assert_eq!(found.color, Some([0.5, 0.25, 1.0, 0.75]));
-    assert_eq!((found.alpha, found.double_sided, found.unlit), (Alpha::Mask(0.25), true, true));
+    assert_eq!(found.alpha, Alpha::Mask(0.25));
     let texture = found.texture.unwrap();
     assert_eq!((texture.image, texture.set, texture.wrap), (0, 0, [Wrap::Repeat; 2]));
     assert_eq!(texture.transform, UvTransform::default());

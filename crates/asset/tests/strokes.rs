@@ -51,11 +51,17 @@ fn points_are_no_lines() {
 
 #[test]
 fn indices_out_of_range_are_refused_as_the_rest_refuses_them() {
-    let mut doc = Doc::new();
-    let positions = doc.floats("VEC3", &[0.0; 6]);
-    let indices = doc.accessor(json!({ "componentType": 5121, "type": "SCALAR", "count": 2 }), &[0, 2]);
-    let primitive = json!({ "attributes": { "POSITION": positions }, "mode": 1, "indices": indices });
-    let mesh = doc.mesh(&primitive);
-    doc.node(json!({ "mesh": mesh }));
-    assert!(doc.rest().is_err());
+    let line = |last: u8| {
+        let mut doc = Doc::new();
+        let positions = doc.floats("VEC3", &[0.0; 6]);
+        let indices =
+            doc.accessor(json!({ "componentType": 5121, "type": "SCALAR", "count": 2 }), &[0, last]);
+        let primitive = json!({ "attributes": { "POSITION": positions }, "mode": 1, "indices": indices });
+        let mesh = doc.mesh(&primitive);
+        doc.node(json!({ "mesh": mesh }));
+        doc
+    };
+    let rest = line(1).rest().unwrap();
+    assert!(line(1).open().unwrap().strokes(&rest).is_ok());
+    assert!(line(2).open().unwrap().strokes(&rest).is_err() && line(2).rest().is_err());
 }

@@ -15,7 +15,11 @@ pub enum RenderError {
         height: u32,
     },
     /// Width × height × samples × samples is above [`MAX_SAMPLES`](crate::MAX_SAMPLES).
-    #[error("a picture of {width}×{height} pixels with {samples}×{samples} samples each is too large")]
+    #[error(
+        "a picture of {width}×{height} pixels with {samples}×{samples} samples each is too large: width × height may be at \
+         most {}",
+        crate::MAX_SAMPLES / u64::from((samples * samples).max(1))
+    )]
     Samples {
         /// Pixels across.
         width: u32,

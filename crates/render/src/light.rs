@@ -13,6 +13,10 @@ const AZIMUTH: f32 = 58.0;
 /// picture, where eyes expect it; from below, folds would be taken for furrows.
 const OVERHEAD: f32 = 74.0;
 
+/// The sine of a camera's elevation under which the lights stand below the horizon, as the camera does. A camera that looks
+/// up at a figure from its feet still has the sun above.
+const BELOW: f32 = -0.5;
+
 /// Directions towards the lights, unit.
 pub(crate) struct Lamps {
     pub(crate) key: Vec3,
@@ -24,9 +28,11 @@ impl Lamps {
     pub(crate) fn new(space: &Space) -> Self {
         // A camera on its side: its own up has to do.
         let lying = space.up.x.abs() > 0.8;
-        let up = if lying { Vec3::Y } else { space.up };
+        // From below, light from above would leave all that is seen in the dark.
+        let side = if space.up.z < BELOW { -1.0 } else { 1.0 };
+        let up = if lying { Vec3::Y } else { space.up * side };
         let right = (Vec3::X - up * up.x).normalize_or(Vec3::X);
-        let front = right.cross(up);
+        let front = right.cross(up) * if lying { 1.0 } else { side };
         let height = up.z.clamp(0.0, 1.0).asin().to_degrees() / 90.0;
         let (az, el) = ((AZIMUTH + OVERHEAD * height * height).to_radians(), ELEVATION.to_radians());
         let key = (front * az.cos() - right * az.sin()) * el.cos() + up * el.sin();

@@ -15,7 +15,7 @@ pub const FARTHEST: f32 = 1e6;
 pub struct Settings {
     /// Pixels across and down. Default: 960×540.
     pub size: [u32; 2],
-    /// No rays: neither shadows nor ambient occlusion. About a tenth of the time. Default: false.
+    /// No rays: neither shadows nor ambient occlusion. About a fifth of the time. Default: false.
     pub fast: bool,
     /// Samples along each side of a pixel, 1 to 4. Default: 2, so that a pixel is the mean of 2×2.
     pub samples: u32,

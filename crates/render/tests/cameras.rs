@@ -105,12 +105,15 @@ fn closed_surfaces_enclose_what_is_in_them() {
 }
 
 #[test]
-fn an_open_tube_encloses_its_middle_and_a_room_nobody() {
+fn what_one_can_look_out_of_encloses_nobody() {
     let open = tube([0.0; 3], [0.0, 0.0, 4.0], 1.0, 24, 4, false).unwrap();
     let open = Scene { parts: vec![Part::new(&open).unwrap()], ..Scene::default() };
-    assert!(open.encloses([0.0, 0.3, 2.0]));
-    // In the opening it hides half of all directions, in front of it less.
-    assert!(!open.encloses([0.0, 0.0, -0.05]) && !open.encloses([0.0, 1.5, 2.0]));
+    for point in [[0.0, 0.3, 2.0], [0.0, 0.0, -0.05], [0.0, 1.5, 2.0]] {
+        assert!(!open.encloses(point), "{point:?}");
+    }
+    let capped = tube([0.0; 3], [0.0, 0.0, 4.0], 1.0, 24, 4, true).unwrap();
+    let capped = Scene { parts: vec![Part::new(&capped).unwrap()], ..Scene::default() };
+    assert!(capped.encloses([0.0, 0.3, 2.0]) && !capped.encloses([0.0, 1.5, 2.0]));
     let mut walls = Part::new(&cuboid([-1.0; 3], [1.0; 3], [2, 2, 2]).unwrap()).unwrap();
     assert!(Scene { parts: vec![walls.clone()], ..Scene::default() }.encloses([0.2, -0.3, 0.9]));
     walls.triangles.iter_mut().for_each(|t| t.swap(0, 1));

@@ -11,7 +11,7 @@ mod show;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use wirework_asset::{Limits, write_files};
+use wirework_asset::Limits;
 use wirework_preset::Preset;
 use wirework_render::{Renderer, View};
 
@@ -77,7 +77,7 @@ pub struct PictureJob<'a> {
     pub sheet: Option<u32>,
     /// Whether the state before the effect stands beside the one after it. Default no.
     pub compare: bool,
-    /// No rays: neither shadows nor occlusion, in a tenth of the time. Default no.
+    /// No rays: neither shadows nor occlusion, in about a fifth of the time. Default no.
     pub fast: bool,
     /// The clip that is played, by name or number. Default the first of an asset, none under a preset.
     pub clip: Option<&'a str>,
@@ -153,13 +153,15 @@ pub fn picture(
 fn run(job: &PictureJob<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<PictureReport, JobError> {
     let start = Instant::now();
     let target = PictureTarget::of(job)?;
-    let still = target == PictureTarget::Still;
     let setting = Setting::read(job)?;
     setting.guard(job, job.output)?;
     let mut show = setting.show(job)?;
-    let moments = moments(job, &target, &mut show)?;
+    let (moments, chosen) = moments(job, &target, &mut show)?;
+    for path in target.files(&moments) {
+        setting.guard(job, &path)?;
+    }
     let panel = Panel::new(job, &target, &mut show, &moments)?;
-    let mut writer = Writer::new(job, target);
+    let mut writer = Writer::new(job, target)?;
     let prepare = start.elapsed();
     let mut renderer = Renderer::default();
     let (mut rendering, mut writing) = (Duration::ZERO, Duration::ZERO);
@@ -177,18 +179,16 @@ fn run(job: &PictureJob<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Res
         return Err(JobError::Strict(warnings));
     }
     let begin = Instant::now();
-    let (files, size) = writer.finish()?;
-    for file in &files {
-        setting.guard(job, &file.path)?;
-    }
-    write_files(&files)?;
+    let (spool, size) = writer.finish()?;
+    let files = spool.len();
+    spool.write()?;
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
     Ok(PictureReport {
         moments: moments.len(),
         first: moments.first().map_or(0.0, |&(_, seconds)| seconds),
-        chosen: still && job.when == When::All && show.evaluation().is_some(),
+        chosen,
         size,
-        files: files.len(),
+        files,
         prepare_ms: ms(prepare),
         render_ms: ms(rendering),
         write_ms: ms(writing + begin.elapsed()),

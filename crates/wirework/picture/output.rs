@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use wirework_asset::{OutputFile, printable};
-use wirework_render::{Animation, AnimationKind, MAX_SIDE, Picture, RenderError, png};
+use wirework_asset::{OutputFile, Spool, printable};
+use wirework_render::{Animation, AnimationKind, EncodeError, MAX_SIDE, Picture, RenderError, png};
 
-use crate::apply::check_folder;
+use crate::apply::check_place;
 use crate::output::Pattern;
 use crate::picture::PictureJob;
 use crate::picture::panel::{GAP, row};
@@ -44,10 +44,15 @@ impl PictureTarget {
                     "`####` stands for a file a frame, and only .png is written so; leave it out",
                 );
             }
+            ("", ..) => return request("found no extension, expected .png, .gif or .apng"),
             _ => return request("found another extension, expected .png, .gif or .apng"),
         };
         target.check_size(job)?;
-        check_folder(job.output)?;
+        let [least, most] = Animation::FPS;
+        if matches!(target, Self::Animation(_)) && !(least..=most).contains(&job.fps) {
+            return Err(EncodeError::Fps { fps: job.fps }.into());
+        }
+        check_place(job.output, matches!(target, Self::Sequence(_)))?;
         match (&target, &job.when) {
             (Self::Still, When::Frames(_)) => request(
                 "one picture shows one moment: choose it with `--at SECONDS`, show several with `--sheet`, or write `####` \
@@ -69,16 +74,22 @@ impl PictureTarget {
         })
     }
 
+    /// The files of a sequence.
+    pub(crate) fn files(&self, moments: &[(u32, f64)]) -> impl Iterator<Item = PathBuf> {
+        let pattern = if let Self::Sequence(pattern) = self { Some(pattern) } else { None };
+        pattern.into_iter().flat_map(move |pattern| moments.iter().map(|&(frame, _)| pattern.file(frame)))
+    }
+
     /// Refuses, before any work, pictures whose row would be too long.
     fn check_size(&self, job: &PictureJob<'_>) -> Result<(), JobError> {
         let [width, height] = self.size(job);
         let moments = if let Self::Sheet(moments) = self { *moments } else { 1 };
         let pictures = moments.saturating_mul(if job.compare { 2 } else { 1 });
         let wide = width.saturating_add(GAP).saturating_mul(pictures).saturating_sub(GAP);
-        if (1..=MAX_SIDE).contains(&wide) && (1..=MAX_SIDE).contains(&height) {
-            return Ok(());
+        if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+            return Err(RenderError::Size { width, height }.into());
         }
-        Err(RenderError::Size { width: wide, height }.into())
+        if wide > MAX_SIDE { Err(JobError::Row { pictures, width: wide }) } else { Ok(()) }
     }
 }
 
@@ -87,16 +98,17 @@ pub(crate) struct Writer {
     path: PathBuf,
     target: PictureTarget,
     pictures: Vec<Picture>,
-    files: Vec<OutputFile>,
+    spool: Spool,
     animation: Option<Animation>,
     size: [u32; 2],
     fps: f64,
 }
 
 impl Writer {
-    pub(crate) fn new(job: &PictureJob<'_>, target: PictureTarget) -> Self {
+    pub(crate) fn new(job: &PictureJob<'_>, target: PictureTarget) -> Result<Self, JobError> {
         let path = job.output.to_path_buf();
-        Self { path, target, pictures: vec![], files: vec![], animation: None, size: [0; 2], fps: job.fps }
+        let spool = Spool::new()?;
+        Ok(Self { path, target, pictures: vec![], spool, animation: None, size: [0; 2], fps: job.fps })
     }
 
     pub(crate) fn push(&mut self, frame: u32, picture: Picture) -> Result<(), JobError> {
@@ -104,7 +116,7 @@ impl Writer {
         match &self.target {
             PictureTarget::Still | PictureTarget::Sheet(_) => self.pictures.push(picture),
             PictureTarget::Sequence(pattern) => {
-                self.files.push(OutputFile::new(pattern.file(frame), png(&picture)?));
+                self.spool.add(pattern.output(frame, png(&picture)?))?;
             }
             PictureTarget::Animation(kind) => {
                 let animation = match &mut self.animation {
@@ -118,16 +130,16 @@ impl Writer {
     }
 
     /// The files, and pixels across and down of each.
-    pub(crate) fn finish(self) -> Result<(Vec<OutputFile>, [u32; 2]), JobError> {
-        let Self { path, pictures, mut files, animation, mut size, .. } = self;
+    pub(crate) fn finish(self) -> Result<(Spool, [u32; 2]), JobError> {
+        let Self { path, pictures, mut spool, animation, mut size, .. } = self;
         if let Some(animation) = animation {
-            files.push(OutputFile::new(&path, animation.finish()?));
+            spool.add(OutputFile::new(&path, animation.finish()?))?;
         }
         if !pictures.is_empty() {
             let picture = row(pictures)?;
             size = [picture.width, picture.height];
-            files.push(OutputFile::new(&path, png(&picture)?));
+            spool.add(OutputFile::new(&path, png(&picture)?))?;
         }
-        Ok((files, size))
+        Ok((spool, size))
     }
 }

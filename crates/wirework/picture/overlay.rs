@@ -5,8 +5,9 @@ use wirework_render::{Dots, Line, LineKind, Scene};
 
 use crate::Evaluation;
 
-/// Points of a drawn curve for each of its segments, and at least in all: enough to look round at any size.
-const PER_SEGMENT: usize = 12;
+/// Points of a drawn curve, about: enough for it to look smooth across a large picture. And the least for a segment.
+const POINTS: usize = 160;
+const PER_SEGMENT: usize = 8;
 /// Widths in a picture of [`ROWS`], pixels; they grow with the picture.
 const WIDTH: f32 = 2.4;
 const THIN: f32 = 1.1;
@@ -28,15 +29,15 @@ pub(crate) fn draw(evaluation: &Evaluation<'_>, before: bool, rows: u32, scene: 
         }
     }
     let wires = || evaluation.wires();
-    wires().for_each(|wire| add(LineKind::Reference, wire.reference.sampled(PER_SEGMENT), WIDTH));
+    wires().for_each(|wire| add(LineKind::Reference, smooth(&wire.reference), WIDTH));
     for domain in wires().flat_map(|wire| &wire.domains) {
-        add(LineKind::Domain, domain.curve.sampled(PER_SEGMENT), WIDTH);
+        add(LineKind::Domain, smooth(&domain.curve), WIDTH);
     }
     if before {
         return;
     }
     for curve in wires().filter_map(posed) {
-        add(LineKind::Wire, curve.sampled(PER_SEGMENT), WIDTH);
+        add(LineKind::Wire, smooth(&curve), WIDTH);
     }
     let locators = wires().filter_map(|wire| Some((posed(wire)?, wire)));
     let points = |(curve, wire): (Curve, &Wire)| {
@@ -47,6 +48,24 @@ pub(crate) fn draw(evaluation: &Evaluation<'_>, before: bool, rows: u32, scene: 
         let kind = LineKind::Locator;
         scene.dots.push(Dots { points, color: kind.color(), width: DOT * factor, kind });
     }
+}
+
+/// Points that hold all that is drawn of an effect between them.
+pub(crate) fn reach(evaluation: &Evaluation<'_>) -> Vec<[f32; 3]> {
+    let mut points: Vec<[f32; 3]> =
+        evaluation.lattices().flat_map(|(_, controls)| controls).copied().collect();
+    for wire in evaluation.wires() {
+        let domains = wire.domains.iter().map(|domain| &domain.curve);
+        points.extend(std::iter::once(&wire.reference).chain(domains).flat_map(smooth));
+        points.extend(posed(wire).iter().flat_map(smooth));
+    }
+    points
+}
+
+/// Points along a curve, close enough together to look smooth.
+fn smooth(curve: &Curve) -> Vec<[f32; 3]> {
+    // There are about as many segments as control points.
+    curve.sampled((POINTS / curve.points().len()).max(PER_SEGMENT))
 }
 
 /// The factor on widths in a picture of so many rows.

@@ -41,16 +41,20 @@ impl<'a> Panel<'a> {
         for seconds in looked_at(job, shown, show) {
             for before in [true, false].into_iter().skip(usize::from(!job.compare)) {
                 let places = show.places(seconds, before)?;
-                framing.add(places.iter().copied());
-                reach.add(places);
+                reach.add(&places);
+                framing.add(places);
             }
             if job.wires {
                 framing.add(show.wires());
             }
         }
-        let bounds = reach.bounds().ok_or_else(|| show.nothing())?;
+        // One place alone has no size to fill a picture with: it gets a metre.
+        if let Some(Bounds { min, max }) = reach.bounds().filter(|bounds| bounds.min == bounds.max) {
+            framing.add([min.map(|c| c - 0.5), max.map(|c| c + 0.5)]);
+        }
+        let bounds = reach.bounds().ok_or_else(|| show.setting.nothing())?;
         let camera = camera(&job.viewpoint, &framing, bounds).map_err(|error| match error {
-            RenderError::Bounds { .. } => show.nothing(),
+            RenderError::Bounds { .. } => show.setting.nothing(),
             error => error.into(),
         })?;
         Ok(Self {
@@ -77,7 +81,7 @@ impl<'a> Panel<'a> {
                 continue;
             }
             let scene = show.scene(seconds, before, self.ground, self.job.wires, self.settings.size[1])?;
-            self.check_camera(&scene)?;
+            self.check_camera(&scene, seconds)?;
             let mut picture = renderer.render(&scene, &self.camera, &self.settings)?;
             if self.job.compare {
                 caption(&mut picture, title, Corner::TopLeft);
@@ -101,13 +105,13 @@ impl<'a> Panel<'a> {
     }
 
     /// Refuses a camera that was put into the object: it would see the inside of one colour.
-    fn check_camera(&self, scene: &Scene) -> Result<(), JobError> {
+    fn check_camera(&self, scene: &Scene, seconds: f64) -> Result<(), JobError> {
         if self.job.viewpoint.eye.is_none() || !scene.encloses(self.camera.eye) {
             return Ok(());
         }
         let [x, y, z] = self.camera.eye;
         Err(JobError::Request(format!(
-            "the camera at {x},{y},{z} stands inside the object; put it outside, or leave `--eye` out"
+            "at {seconds} s the camera at {x},{y},{z} stands inside the object; put it outside, or leave `--eye` out"
         )))
     }
 }
@@ -135,9 +139,12 @@ fn camera(viewpoint: &Viewpoint, framing: &Framing, bounds: Bounds) -> Result<Ca
     viewpoint.zoom.map_or(Ok(camera), |factor| camera.zoomed(factor))
 }
 
-/// Up in the picture: +Y, or −Z for a camera that looks straight up or down.
+/// Up in the picture: +Y, or −Z for a camera that looks straight up or down, as nearly as one can say by a target that is the middle
+/// of something.
 fn upward(eye: [f32; 3], target: [f32; 3]) -> [f32; 3] {
-    if eye[0] == target[0] && eye[2] == target[2] { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] }
+    const STRAIGHT: f32 = 1e-3;
+    let [x, y, z] = [0, 1, 2].map(|k| eye[k] - target[k]);
+    if x.hypot(z) <= STRAIGHT * y.abs() { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] }
 }
 
 /// The box round everything that was shown.

@@ -1,9 +1,9 @@
 //! What the parts of a model look like, wherever their vertices are.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use wirework_asset::{Alpha, Gltf, Limits, Look, Rest, Stroke, TextureUse, Warning, printable};
+use wirework_asset::{Alpha, Gltf, Limits, Look, Rest, Stroke, TextureUse, printable};
 use wirework_render::{CLAY, Dots, Line, LineKind, Part, Scene, Texture, Wrap};
 
 use crate::JobError;
@@ -13,8 +13,8 @@ use crate::picture::overlay::thickness;
 /// Diameter of a model's points and width of its lines, pixels in a picture of the usual height.
 const POINT: f32 = 6.0;
 const LINE: f32 = 1.6;
-/// Bytes of a texture's pixel: four channels, and a third more for smaller copies.
-const TEXEL: usize = 6;
+/// Bytes of a texture's pixel: four channels, a third more for smaller copies, and while it is made as many again.
+const TEXEL: usize = 10;
 
 /// The alpha of a surface that covers as much as it lets through.
 const HALF: f32 = 0.5;
@@ -23,73 +23,130 @@ const HALF: f32 = 0.5;
 pub(crate) struct Drawn {
     surfaces: Vec<Surface>,
     strokes: Vec<(Stroke, [f32; 3])>,
+    /// The vertices of all of them, each once, rising: others are in no picture.
+    pub(crate) seen: Vec<u32>,
 }
 
 /// A part with triangles.
 struct Surface {
-    /// Its run of vertices.
-    first: usize,
-    count: usize,
+    /// Its vertices among those of the model, each once.
+    vertices: Vec<u32>,
     /// All of it but positions and normals.
     part: Part,
 }
 
-/// Reads what the parts of `rest` look like; what has no colour, texture or vertex colours is clay, on which relief reads better than
-/// on white. What cannot be read of it is told, and does without.
+/// Reads what the parts of `rest` look like; what has no colour, texture or vertex colours is clay, on which relief reads better
+/// than on white. `colors`, one a vertex, are in the place of those of a model that has none in its document. What cannot be
+/// read is told, and done without.
 pub(crate) fn drawn(
     gltf: &Gltf,
     rest: &Rest,
+    colors: Option<&[[f32; 3]]>,
     limits: &Limits,
     warnings: &mut Vec<String>,
 ) -> Result<Drawn, JobError> {
-    let mut reader = Reader { gltf, rest, limits, textures: BTreeMap::new(), warnings };
     let (looks, doubts) = gltf.looks(rest);
-    for doubt in &doubts {
-        reader.warn(doubt);
-    }
-    let colors = gltf.colors(rest).unwrap_or_else(|error| {
-        reader.warnings.push(format!("{error}; the colours of vertices are left out"));
+    warnings.extend(doubts.iter().map(|doubt| format!("{}: {doubt}", printable(gltf.file()))));
+    let of_blocks = gltf.colors(rest).unwrap_or_else(|error| {
+        warnings.push(format!("{error}; the colours of vertices are left out"));
         vec![None; rest.blocks.len()]
     });
+    let mut reader = Reader { gltf, rest, limits: *limits, textures: BTreeMap::new(), warnings };
+    let mut picked = Picked::new(rest.positions.len());
     let mut surfaces = Vec::new();
     for (index, (part, look)) in rest.parts.iter().zip(&looks).enumerate() {
         let range = part.first_triangle..part.first_triangle + part.triangle_count;
         let (Some(block), Some(triangles)) = (rest.blocks.get(part.block), rest.triangles.get(range)) else {
             continue;
         };
-        if triangles.is_empty() {
+        if triangles.is_empty() || is_cut_away(look) {
             continue;
         }
-        let first = block.first as u32;
-        let colors = colors.get(part.block).and_then(Option::as_ref);
-        let colors: Vec<[f32; 3]> = colors.into_iter().flatten().map(|&[r, g, b, _]| [r, g, b]).collect();
-        let plain = look.color.is_none() && look.texture.is_none() && colors.is_empty();
-        let mut shown = Part {
-            positions: Vec::new(),
-            normals: Vec::new(),
-            triangles: triangles.iter().map(|t| t.map(|v| v - first)).collect(),
-            color: if plain { CLAY } else { rgb(look) },
-            colors,
-            uvs: Vec::new(),
-            texture: None,
-            wrap: [Wrap::Repeat; 2],
-            cutoff: None,
+        let (vertices, triangles) = picked.pick(triangles);
+        let own = of_blocks.get(part.block).and_then(Option::as_ref);
+        let color = |&v: &u32| match (own, colors) {
+            (Some(own), _) => own.get(v as usize - block.first).map(|&[r, g, b, _]| [r, g, b]),
+            (None, Some(colors)) => colors.get(v as usize).copied(),
+            (None, None) => None,
         };
+        let colors: Vec<[f32; 3]> = vertices.iter().filter_map(color).collect();
+        let plain = look.color.is_none() && look.texture.is_none() && colors.is_empty();
+        let color = if plain { CLAY } else { rgb(look) };
+        let mut shown = Part { triangles, color, colors, ..Part::default() };
         if let Some(texture) = &look.texture {
-            reader.dress(&mut shown, index, texture);
-            shown.cutoff = shown.texture.as_ref().and_then(|_| cutoff(look));
+            reader.dress(&mut shown, &vertices, index, texture);
+            if shown.texture.is_some() {
+                shown.cutoff = cutoff(look);
+            } else if look.color.is_none() && shown.colors.is_empty() {
+                shown.color = CLAY;
+            }
         }
-        surfaces.push(Surface { first: block.first, count: block.count, part: shown });
+        surfaces.push(Surface { vertices, part: shown });
     }
     let color = |stroke: &Stroke| match looks.get(stroke.part) {
         Some(look) if look.color.is_some() => rgb(look),
         _ => LineKind::Point.color(),
     };
-    let strokes = gltf.strokes(rest)?.into_iter().map(|stroke| {
-        let color = color(&stroke);
-        (stroke, color)
-    });
-    Ok(Drawn { surfaces, strokes: strokes.collect() })
+    let strokes = gltf.strokes(rest)?.into_iter().filter(|stroke| !stroke.points.is_empty());
+    let strokes = strokes.map(|stroke| (color(&stroke), stroke));
+    let strokes: Vec<_> = strokes.map(|(color, stroke)| (stroke, color)).collect();
+    let points = strokes.iter().flat_map(|(stroke, _)| &stroke.points);
+    let seen: BTreeSet<u32> =
+        surfaces.iter().flat_map(|surface| &surface.vertices).chain(points).copied().collect();
+    Ok(Drawn { surfaces, strokes, seen: seen.into_iter().collect() })
+}
+
+/// Picks the vertices of some triangles out of those of a model.
+struct Picked {
+    /// For each vertex of the model which list has it, counted from 1, and as which.
+    places: Vec<(u32, u32)>,
+    lists: u32,
+}
+
+impl Picked {
+    fn new(vertices: usize) -> Self {
+        Self { places: vec![(0, 0); vertices], lists: 0 }
+    }
+
+    /// The vertices of the triangles, each once, and the triangles between them.
+    fn pick(&mut self, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<[u32; 3]>) {
+        self.lists += 1;
+        let mut vertices = Vec::new();
+        let mut own = |v: u32| {
+            let Some(place) = self.places.get_mut(v as usize) else { return 0 };
+            if place.0 != self.lists {
+                *place = (self.lists, vertices.len() as u32);
+                vertices.push(v);
+            }
+            place.1
+        };
+        let triangles = triangles.iter().map(|t| t.map(&mut own)).collect();
+        (vertices, triangles)
+    }
+}
+
+/// The alpha below which a surface is not there. Nothing is half there in these pictures: what lets more than half of what is behind
+/// through is left out.
+fn least(alpha: Alpha) -> f32 {
+    match alpha {
+        Alpha::Opaque => 0.0,
+        Alpha::Mask(cutoff) => cutoff,
+        Alpha::Blend => HALF,
+    }
+}
+
+fn alpha(look: &Look) -> f32 {
+    look.color.map_or(1.0, |[.., alpha]| alpha)
+}
+
+/// Whether nothing of a part is there, whatever its texture: that can only take away.
+fn is_cut_away(look: &Look) -> bool {
+    alpha(look) < least(look.alpha)
+}
+
+/// The alpha of its texture below which a surface is not there.
+fn cutoff(look: &Look) -> Option<f32> {
+    (look.alpha != Alpha::Opaque).then(|| least(look.alpha) / alpha(look).max(f32::MIN_POSITIVE))
 }
 
 fn rgb(look: &Look) -> [f32; 3] {
@@ -97,38 +154,26 @@ fn rgb(look: &Look) -> [f32; 3] {
     [r, g, b]
 }
 
-/// The alpha of the texture below which a surface is not there. Nothing is half there in these pictures: what would let more than
-/// half of what is behind through is left out.
-fn cutoff(look: &Look) -> Option<f32> {
-    let factor = look.color.map_or(1.0, |[.., alpha]| alpha);
-    let least = match look.alpha {
-        Alpha::Opaque => return None,
-        Alpha::Mask(cutoff) => cutoff,
-        Alpha::Blend => HALF,
-    };
-    (factor > 0.0).then(|| least / factor)
-}
-
 /// Reads textures, each image once.
 struct Reader<'a> {
     gltf: &'a Gltf,
     rest: &'a Rest,
-    limits: &'a Limits,
+    /// What is left of the limit on decoded bytes: all textures are held at once.
+    limits: Limits,
     textures: BTreeMap<usize, Option<Arc<Texture>>>,
     warnings: &'a mut Vec<String>,
 }
 
 impl Reader<'_> {
-    fn warn(&mut self, warning: &Warning) {
-        self.warnings.push(format!("{}: {warning}", printable(self.gltf.file())));
-    }
-
     /// Gives a part its texture, where both image and coordinates can be read.
-    fn dress(&mut self, part: &mut Part, index: usize, texture: &TextureUse) {
+    fn dress(&mut self, part: &mut Part, vertices: &[u32], index: usize, texture: &TextureUse) {
         let Some(image) = self.texture(texture.image) else { return };
         match self.gltf.texture_coordinates(self.rest, index, texture) {
             Ok(uvs) => {
-                part.uvs = uvs;
+                let block = self.rest.parts.get(index).and_then(|part| self.rest.blocks.get(part.block));
+                let first = block.map_or(0, |block| block.first);
+                let uv = |&v: &u32| uvs.get(v as usize - first).copied().unwrap_or_default();
+                part.uvs = vertices.iter().map(uv).collect();
                 part.texture = Some(image);
                 part.wrap = texture.wrap.map(|wrap| match wrap {
                     wirework_asset::Wrap::Repeat => Wrap::Repeat,
@@ -152,9 +197,9 @@ impl Reader<'_> {
         self.textures.entry(image).or_insert(read.ok()).clone()
     }
 
-    fn decoded(&self, image: usize) -> Result<Texture, String> {
+    fn decoded(&mut self, image: usize) -> Result<Texture, String> {
         let encoded = self.gltf.image(image).map_err(|error| error.to_string())?;
-        let decoded = decode(&encoded.bytes, TEXEL, self.limits).map_err(|refusal| {
+        let decoded = decode(&encoded.bytes, TEXEL, &self.limits).map_err(|refusal| {
             let kind = encoded
                 .media_type
                 .as_deref()
@@ -163,6 +208,8 @@ impl Reader<'_> {
         })?;
         let pixels = decoded.into_rgba8();
         let (width, height) = pixels.dimensions();
+        let bytes = u64::from(width) * u64::from(height) * TEXEL as u64;
+        self.limits.expanded_bytes = self.limits.expanded_bytes.saturating_sub(bytes);
         let pixels = pixels.pixels().map(|pixel| pixel.0).collect();
         Texture::new(width, height, pixels).map_err(|error| error.to_string())
     }
@@ -172,7 +219,8 @@ impl Drawn {
     /// Whether nothing of it can be seen: no point, no line, and no triangle with an area.
     pub(crate) fn is_empty(&self, positions: &[[f32; 3]]) -> bool {
         let seen = |surface: &Surface| {
-            let corners = |t: &[u32; 3]| t.map(|v| positions.get(surface.first + v as usize).copied());
+            let place = |v: u32| positions.get(*surface.vertices.get(v as usize)? as usize).copied();
+            let corners = |t: &[u32; 3]| t.map(place);
             surface.part.triangles.iter().any(|triangle| match corners(triangle) {
                 [Some(a), Some(b), Some(c)] => area(a, b, c) > 0.0,
                 _ => false,
@@ -184,8 +232,9 @@ impl Drawn {
     /// The parts where they are now, in a picture of so many rows; `normals` are as many as the positions, or none.
     pub(crate) fn scene(&self, positions: &[[f32; 3]], normals: &[[f32; 3]], rows: u32) -> Scene {
         let place = |surface: &Surface| {
-            let range = surface.first..surface.first + surface.count;
-            let of = |list: &[[f32; 3]]| list.get(range.clone()).unwrap_or(&[]).to_vec();
+            let of = |list: &[[f32; 3]]| {
+                surface.vertices.iter().filter_map(|&v| list.get(v as usize).copied()).collect::<Vec<_>>()
+            };
             Part { positions: of(positions), normals: of(normals), ..surface.part.clone() }
         };
         let mut scene = Scene { parts: self.surfaces.iter().map(place).collect(), ..Scene::default() };

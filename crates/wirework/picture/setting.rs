@@ -1,36 +1,32 @@
 //! What a picture is made of, read once: the model, the effect on it and the clip that is played.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use wirework_asset::{Gltf, Rest};
 use wirework_preset::{Effect, Preset};
-use wirework_surface::Bounds;
 
 use crate::film::find_clip;
 use crate::mask::{Masks, masks};
-use crate::motion::Motion;
+use crate::motion::Basis;
 use crate::output::Scene;
 use crate::picture::show::Show;
 use crate::picture::{PictureJob, Shown};
 use crate::source::{Source, parts, refused};
-use crate::subject::unfit;
-use crate::{ControlNet, Evaluation, JobError, Subject};
+use crate::{JobError, Model, Subject};
 
 /// A model at rest and the effect that is to move it.
 pub(crate) struct Setting {
-    points: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-    net: Option<ControlNet>,
-    /// The positions that the net's surface has at rest.
-    surface: Vec<[f32; 3]>,
-    bounds: Option<Bounds>,
-    pub(crate) own: bool,
+    basis: Basis,
     pub(crate) gltf: Gltf,
     pub(crate) rest: Rest,
     pub(crate) point_of: Vec<u32>,
     masks: Masks,
     /// Files that the document refers to: none of them may be written over.
-    parts: Vec<std::path::PathBuf>,
+    parts: Vec<PathBuf>,
+    /// Colours of the vertices, linear, of a model that does not keep them in a document.
+    pub(crate) colors: Option<Vec<[f32; 3]>>,
+    /// The model, or the preset that brings it along, as messages name it.
+    file: String,
     warnings: Vec<String>,
 }
 
@@ -67,56 +63,44 @@ impl Setting {
         };
         let folder = source.map_or(Path::new(""), |source| source.folder());
         let masks = masks(&subject, job.effects(), folder, &job.limits)?.complete()?;
-        let (warnings, bounds) = (subject.warnings(), subject.bounds());
+        let mut warnings = subject.warnings();
         let document = match (&source, job.shown) {
             (Some(source), _) => source.input.map(Path::to_path_buf).or_else(|| source.own_object()),
             (None, Shown::Asset(path) | Shown::Preset { path, .. }) => Some(path.to_path_buf()),
         };
         let parts = parts(&subject.model, document);
-        let Subject { points, triangles, model, net, point_of, own } = subject;
-        let surface = if net.is_some() { model.mesh_positions() } else { Vec::new() };
-        let Scene { gltf, rest, point_of } = Scene::new(model, point_of, &job.limits)?;
-        Ok(Self {
-            points,
-            triangles,
-            net,
-            surface,
-            bounds,
-            own,
-            gltf,
-            rest,
-            point_of,
-            masks,
-            parts,
-            warnings,
-        })
+        let (basis, model, point_of) = Basis::of(subject);
+        let colors = obj_colors(&model, &mut warnings);
+        let Scene { gltf, rest, point_of, source } = Scene::new(model, point_of, &job.limits)?;
+        let of_vertices = |colors: Vec<[f32; 3]>| {
+            let color = |&position: &u32| colors.get(position as usize).copied().unwrap_or([1.0; 3]);
+            source.as_ref().map(|source| source.iter().map(color).collect())
+        };
+        let colors = colors.and_then(of_vertices);
+        let file = match job.shown {
+            Shown::Asset(path) | Shown::Preset { input: Some(path), .. } | Shown::Preset { path, .. } => path,
+        };
+        let file = file.display().to_string();
+        Ok(Self { basis, gltf, rest, point_of, masks, parts, colors, file, warnings })
     }
 
     /// Binds the effect and prepares the clip.
     pub(crate) fn show<'a>(&'a self, job: &PictureJob<'a>) -> Result<Show<'a>, JobError> {
         let motion = match job.effects() {
             [] => None,
-            effects => {
-                let bound = Evaluation::masked(
-                    effects,
-                    self.masks.clone(),
-                    &self.points,
-                    &self.triangles,
-                    self.bounds,
-                );
-                let motion = Motion::new(bound.map_err(unfit(self.own))?, &self.points, self.own);
-                Some(match &self.net {
-                    Some(net) => motion.controlling(net, &self.surface)?,
-                    None => motion,
-                })
-            }
+            effects => Some(self.basis.bind(effects, self.masks.clone())?),
         };
         let clips = self.gltf.clip_names().len();
         let clip = match job.clip {
             Some(wanted) => Some(find_clip(&self.gltf, wanted)?),
             None => (motion.is_none() && clips > 0).then_some(0),
         };
-        Show::new(self, motion, clip, &job.limits, self.warnings.clone())
+        Show::new(self, motion, clip, job, self.warnings.clone())
+    }
+
+    /// The error that there is nothing to see.
+    pub(crate) fn nothing(&self) -> JobError {
+        JobError::NothingToSee { file: self.file.clone(), own: self.basis.own }
     }
 
     /// Refuses to write over what is read.
@@ -133,4 +117,20 @@ impl Setting {
         }
         Ok(())
     }
+}
+
+/// The colours of the positions of an OBJ file, linear; none where it has none, or they cannot be read.
+fn obj_colors(model: &Model, warnings: &mut Vec<String>) -> Option<Vec<[f32; 3]>> {
+    let Model::Mesh { obj: Some(obj), .. } = model else { return None };
+    let colors = obj.colors().unwrap_or_else(|error| {
+        warnings.push(format!("{error}; the colours of vertices are left out"));
+        None
+    })?;
+    let shown = |color: Option<[f32; 4]>| color.map_or([1.0; 3], |[r, g, b, _]| [r, g, b].map(linear));
+    Some(colors.into_iter().map(shown).collect())
+}
+
+/// The light of an sRGB component: the format does not say what its numbers are, and all who write them write what is seen.
+fn linear(c: f32) -> f32 {
+    if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }

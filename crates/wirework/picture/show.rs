@@ -1,15 +1,15 @@
 //! What is shown, at any moment, as a scene to be rendered.
 
-use wirework_asset::{Limits, LocalDeltas, Player, printable};
+use wirework_asset::{LocalDeltas, Player, printable};
 use wirework_render::Scene;
 
+use crate::JobError;
 use crate::motion::Motion;
-use crate::picture::overlay;
 use crate::picture::parts::{Drawn, drawn};
 use crate::picture::setting::Setting;
+use crate::picture::{PictureJob, overlay};
 use crate::shade::Vertices;
 use crate::source::Source;
-use crate::{Evaluation, JobError};
 
 /// A model with an effect on it and a clip that plays.
 pub(crate) struct Show<'a> {
@@ -30,18 +30,20 @@ impl<'a> Show<'a> {
         setting: &'a Setting,
         motion: Option<Motion<'a>>,
         clip: Option<usize>,
-        limits: &Limits,
+        job: &PictureJob<'_>,
         mut warnings: Vec<String>,
     ) -> Result<Self, JobError> {
-        let Setting { gltf, rest, point_of, .. } = setting;
+        let Setting { gltf, rest, point_of, colors, .. } = setting;
         let vertices = Vertices::of_scene(rest, point_of.clone())?;
         let player = clip.map(|clip| gltf.player(rest, Some(clip))).transpose()?;
-        let drawn = drawn(gltf, rest, limits, &mut warnings)?;
+        let drawn = drawn(gltf, rest, colors.as_deref(), &job.limits, &mut warnings)?;
         if drawn.is_empty(&rest.positions) {
-            return Err(JobError::NothingToSee { own: setting.own });
+            return Err(setting.nothing());
         }
         let doubts = player.iter().flat_map(Player::warnings);
         warnings.extend(doubts.map(|doubt| format!("{}: {doubt}", printable(gltf.file()))));
+        let moves = player.as_ref().is_some_and(Player::moves);
+        warnings.extend(idle(job, motion.is_some(), moves).into_iter().map(str::to_owned));
         let (positions, normals) = (rest.positions.clone(), Vec::new());
         Ok(Self { setting, motion, player, vertices, drawn, positions, normals, warnings })
     }
@@ -51,28 +53,19 @@ impl<'a> Show<'a> {
         self.player.as_ref().map_or(0.0, Player::duration)
     }
 
-    pub(crate) fn evaluation(&self) -> Option<&Evaluation<'a>> {
-        self.motion.as_ref().map(|motion| &motion.evaluation)
+    pub(crate) fn has_effect(&self) -> bool {
+        self.motion.is_some()
     }
 
     /// Points of all wires as they were last worked out.
     pub(crate) fn wires(&self) -> Vec<[f32; 3]> {
-        let mut scene = Scene::default();
-        if let Some(motion) = &self.motion {
-            overlay::draw(&motion.evaluation, false, 1, &mut scene);
-        }
-        scene.lines.into_iter().flat_map(|line| line.points).collect()
+        self.motion.as_ref().map_or_else(Vec::new, |motion| overlay::reach(&motion.evaluation))
     }
 
-    /// The error that there is nothing to see.
-    pub(crate) fn nothing(&self) -> JobError {
-        JobError::NothingToSee { own: self.setting.own }
-    }
-
-    /// World positions at a moment, before the effect or after it.
-    pub(crate) fn places(&mut self, seconds: f64, before: bool) -> Result<&[[f32; 3]], JobError> {
+    /// World positions of all that is seen at a moment, before the effect or after it.
+    pub(crate) fn places(&mut self, seconds: f64, before: bool) -> Result<Vec<[f32; 3]>, JobError> {
         self.play(seconds, before, false)?;
-        Ok(&self.positions)
+        Ok(self.drawn.seen.iter().filter_map(|&v| self.positions.get(v as usize).copied()).collect())
     }
 
     /// How far the effect has moved its points at the moment that was last worked out: the sum of the squares.
@@ -96,7 +89,9 @@ impl<'a> Show<'a> {
             }
         }
         let normals = self.vertices.normals();
-        let Some(player) = &mut self.player else {
+        // Before its clip, too, a model is at rest; under an effect the clip is part of both.
+        let player = self.player.as_mut().filter(|_| self.motion.is_some() || !before);
+        let Some(player) = player else {
             self.positions.clone_from(&self.vertices.positions);
             self.normals.clear();
             self.normals.extend_from_slice(normals.unwrap_or(&[]));
@@ -139,4 +134,20 @@ impl<'a> Show<'a> {
         }
         all
     }
+}
+
+/// What is asked for and shows nothing.
+fn idle(job: &PictureJob<'_>, effect: bool, clip: bool) -> Vec<&'static str> {
+    let cases = [
+        (job.wires && !effect, "a model alone has no wires to be drawn [no-wires]"),
+        (
+            job.wires && effect && clip,
+            "wires are drawn where they lie at rest, from where the clip moves the model away [rest-wires]",
+        ),
+        (
+            job.compare && !effect && !clip,
+            "there is no effect and no clip: before and after are the same [no-effect]",
+        ),
+    ];
+    cases.into_iter().filter_map(|(is, message)| is.then_some(message)).collect()
 }
