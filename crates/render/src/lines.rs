@@ -8,6 +8,9 @@ use crate::raster::{NEAR, Seen};
 use crate::scene::Scene;
 use crate::space::Space;
 
+/// Rows of a band: pieces of lines are sorted into bands, so that a row does not look at all of them.
+const BAND: usize = 16;
+
 /// How much of a line is left where a surface hides it.
 const HIDDEN: f32 = 0.38;
 /// Lines lie this much nearer than they are, in heights of the picture at the target: most lie in the very surface they
@@ -48,11 +51,18 @@ pub(crate) fn draw(
         return Ok(());
     }
     let columns = space.size[0] / samples;
+    let bands = bands(&strokes, space.size[1] / samples);
     colors.par_chunks_mut(columns).enumerate().for_each(|(y, row)| {
+        let Some(band) = bands.get(y / BAND).filter(|band| !band.is_empty()) else { return };
         // For each pixel: covered by the core, of it seen; covered by core and rim, of it seen.
         let mut cover = vec![[0.0_f32; 4]; columns];
-        for stroke in &strokes {
-            let Some((first, last)) = stroke.row(y, &mut cover, space.size[0], samples, seen) else {
+        for pieces in band.chunk_by(|a, b| a.0 == b.0) {
+            let Some(stroke) = pieces.first().and_then(|&(stroke, _)| strokes.get(stroke as usize)) else {
+                continue;
+            };
+            let capsules = pieces.iter().filter_map(|&(_, capsule)| stroke.capsules.get(capsule as usize));
+            let Some((first, last)) = stroke.row(capsules, y, &mut cover, space.size[0], samples, seen)
+            else {
                 continue;
             };
             for (x, c) in cover.iter_mut().enumerate().take(last + 1).skip(first) {
@@ -65,6 +75,27 @@ pub(crate) fn draw(
         }
     });
     Ok(())
+}
+
+/// Which pieces may touch the rows of each band: numbers of strokes and of their capsules, in their order.
+fn bands(strokes: &[Stroke], rows: usize) -> Vec<Vec<(u32, u32)>> {
+    let mut bands = vec![Vec::new(); rows.div_ceil(BAND)];
+    for (stroke, number) in strokes.iter().zip(0..) {
+        let outer = stroke.outer();
+        for (capsule, piece) in stroke.capsules.iter().zip(0..) {
+            let (low, high) =
+                (capsule.from.y.min(capsule.to.y) - outer, capsule.from.y.max(capsule.to.y) + outer);
+            // Floats beyond the range of whole numbers end at its ends; NaN at 0.
+            let first = low.max(0.0) as usize / BAND;
+            let last = (high.max(0.0) as usize / BAND).min(bands.len().saturating_sub(1));
+            if high >= 0.0 {
+                for band in bands.iter_mut().take(last + 1).skip(first) {
+                    band.push((number, piece));
+                }
+            }
+        }
+    }
+    bands
 }
 
 fn strokes(scene: &Scene, space: &Space, samples: usize) -> Result<Vec<Stroke>, RenderError> {
@@ -113,9 +144,15 @@ fn capsule([mut a, mut b]: [Vec3; 2], space: &Space, samples: usize) -> Option<C
 }
 
 impl Stroke {
+    /// How far from the middle of a piece a pixel may be touched.
+    fn outer(&self) -> f32 {
+        self.radius + RIM + 0.5
+    }
+
     /// Adds what the stroke covers of row `y`; the first and last pixel it touches.
-    fn row(
+    fn row<'c>(
         &self,
+        capsules: impl Iterator<Item = &'c Capsule>,
         y: usize,
         cover: &mut [[f32; 4]],
         width: usize,
@@ -123,9 +160,9 @@ impl Stroke {
         seen: &[Seen],
     ) -> Option<(usize, usize)> {
         let middle = y as f32 + 0.5;
-        let outer = self.radius + RIM + 0.5;
+        let outer = self.outer();
         let mut touched: Option<(usize, usize)> = None;
-        for capsule in &self.capsules {
+        for capsule in capsules {
             let (low, high) = (capsule.from.y.min(capsule.to.y), capsule.from.y.max(capsule.to.y));
             if middle < low - outer || middle > high + outer {
                 continue;
