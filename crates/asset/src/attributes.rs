@@ -7,7 +7,7 @@ use crate::json::Json;
 use crate::limits::Budget;
 
 /// The extension that lets positions and normals be small integers.
-const QUANTIZATION: &str = "KHR_mesh_quantization";
+pub(crate) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 /// Vertices in the space of their mesh.
 #[derive(Clone, Debug, Default)]
@@ -123,7 +123,7 @@ fn finite(accessor: &Accessor<'_>, values: Vec<[f32; 3]>) -> Result<Vec<[f32; 3]
 }
 
 /// Adds `weight` times a morph target; a target of weight 0 is not read.
-fn add(
+pub(crate) fn add(
     gltf: &Gltf,
     reference: Option<Json<'_>>,
     weight: f64,

@@ -39,6 +39,7 @@ mod select;
 mod skin;
 mod still;
 mod stroke;
+mod tangent;
 mod texture;
 mod track;
 mod uri;

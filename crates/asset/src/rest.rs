@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use wirework_surface::{Corner, Mesh};
 
 use crate::attributes::{self, Local};
@@ -15,6 +15,7 @@ use crate::json::Json;
 use crate::limits::{Budget, Of, reserve};
 use crate::primitive::Mode;
 use crate::skin::{Influences, Skin};
+use crate::tangent;
 use crate::way::{Way, double, place, single};
 
 /// Everything the scene of a document shows, as one set of vertices in world space.
@@ -47,10 +48,16 @@ pub struct Block {
     pub count: usize,
     /// Unit normals in world space, if the input has normals.
     pub normals: Option<Vec<[f32; 3]>>,
+    /// Unit tangents in world space without their handedness, if the input has them besides normals; 0 where one is 0.
+    pub tangents: Option<Vec<[f32; 3]>>,
     /// The first set of texture coordinates, if the input has one.
     pub uvs: Option<Vec<[f32; 2]>>,
+    /// The texture coordinates that the tangents belong to, where they are another set.
+    tangent_uvs: Option<Vec<[f32; 2]>>,
     /// Normals in the mesh's space, morphs applied.
     local_normals: Option<Vec<[f32; 3]>>,
+    /// Tangents in the mesh's space, morphs applied.
+    local_tangents: Option<Vec<[f32; 3]>>,
     frame: Frame,
 }
 
@@ -65,6 +72,8 @@ pub struct Part {
     pub primitive: usize,
     /// Its material, if it has one.
     pub material: Option<usize>,
+    /// Whether it has tangents, and a material that looks at them: one with a normal map, or with anisotropy.
+    pub normal_mapped: bool,
     /// What its vertices are joined to.
     pub mode: Mode,
     /// Its vertices: an index into [`Rest::blocks`].
@@ -89,6 +98,8 @@ pub struct LocalDeltas {
     pub positions: Vec<[f32; 3]>,
     /// What to add to each normal; none where the block has no normals.
     pub normals: Option<Vec<[f32; 3]>>,
+    /// What to add to each tangent, whose handedness stays; none where the block has no tangents.
+    pub tangents: Option<Vec<[f32; 3]>>,
     /// How many vertices should have moved but cannot, because their transform is singular.
     pub stuck: usize,
 }
@@ -175,6 +186,7 @@ impl Shown<'_> {
         let own = self.graph.nodes[self.node].weights.as_deref();
         let weights = default_weights(self.gltf, self.node, own, mesh, targets)?;
         let mut blocks: BTreeMap<Vec<(String, usize)>, usize> = BTreeMap::new();
+        let mut sets = BTreeMap::new();
         for (index, primitive) in primitives.items()?.enumerate() {
             let list = attributes::check(self.gltf, primitive)?;
             if !list.iter().any(|(key, _)| key == "POSITION") {
@@ -190,6 +202,16 @@ impl Shown<'_> {
                 rest.blocks.len() - 1
             };
             self.part(index, primitive, block, rest, budget)?;
+            let set = self.gltf.tangent_set(primitive).filter(|_| rest.blocks[block].tangents.is_some());
+            if let (Some(set), Some(part)) = (set, rest.parts.last_mut()) {
+                part.normal_mapped = true;
+                sets.entry(block).or_insert((set, primitive));
+            }
+        }
+        for (block, (set, primitive)) in sets.into_iter().filter(|(_, (set, _))| *set != 0) {
+            let warnings = &mut rest.warnings;
+            let uvs = attributes::texture_coordinates(self.gltf, primitive, set, budget, warnings)?;
+            rest.blocks[block].tangent_uvs = Some(uvs.unwrap_or_default());
         }
         Ok(())
     }
@@ -205,10 +227,12 @@ impl Shown<'_> {
         let mut local = Local::read(self.gltf, primitive, budget, &mut rest.warnings)?;
         local.morph(self.gltf, primitive, weights, budget)?;
         let uvs = attributes::texture_coordinates(self.gltf, primitive, 0, budget, &mut rest.warnings)?;
+        let local_tangents = tangent::read(self.gltf, primitive, weights, budget, &mut rest.warnings)?;
         let count = local.positions.len();
         budget.charge(Of::Vertices, count as u64, || primitive.place())?;
-        let bytes = count as u64 * if self.joints.is_some() { size_of::<Way>() as u64 + 36 } else { 36 };
-        budget.charge(Of::ExpandedBytes, bytes, || primitive.place())?;
+        let ways = if self.joints.is_some() { size_of::<Way>() as u64 } else { 0 };
+        let each = 36 + ways + if local_tangents.is_some() { 24 } else { 0 };
+        budget.charge(Of::ExpandedBytes, count as u64 * each, || primitive.place())?;
         let first = rest.positions.len();
         if u32::try_from(first.saturating_add(count)).is_err() {
             return Err(primitive
@@ -220,6 +244,9 @@ impl Shown<'_> {
         let normals = local.normals.as_ref().map(|normals| {
             normals.iter().enumerate().map(|(v, &n)| frame.way(v).normal(double(n))).collect()
         });
+        let tangents = local_tangents.as_ref().map(|tangents| {
+            tangents.iter().enumerate().map(|(v, &t)| frame.way(v).tangent(double(t))).collect()
+        });
         if normals.is_none() && Mode::read(primitive)? as u8 >= Mode::Triangles as u8 {
             let message = "there are no normals; they are computed where they are needed";
             rest.warnings.push(Warning::new("normals-missing", attributes.place(), message));
@@ -230,8 +257,11 @@ impl Shown<'_> {
             first,
             count,
             normals,
+            tangents,
             uvs,
+            tangent_uvs: None,
             local_normals: local.normals,
+            local_tangents,
             frame,
         });
         Ok(())
@@ -292,6 +322,7 @@ impl Shown<'_> {
             mesh: self.mesh,
             primitive: index,
             material: material.map(|(index, _)| index),
+            normal_mapped: false,
             mode: Mode::read(primitive)?,
             block,
             first_triangle: rest.triangles.len(),
@@ -344,14 +375,16 @@ impl Frame {
 impl Rest {
     /// Takes the deformed state of the vertices of `block` back to the space of its mesh.
     ///
-    /// `positions` and `normals` are those of *all* vertices, as long as [`Rest::positions`], in world space. What
+    /// `positions`, `normals` and `tangents` are those of *all* vertices, as long as [`Rest::positions`], in world space. What
     /// equals the rest, bit for bit, gets deltas of exactly 0; elsewhere position + delta, taken through node or
-    /// skin, is the deformed position, and normal + delta, of length 1, points along the deformed normal.
-    pub fn to_local(
+    /// skin, is the deformed position, and normal + delta, of length 1, points along the deformed normal. So does tangent + delta
+    /// along the tangent; one that is 0 stays as it is.
+    pub fn to_local<'a>(
         &self,
         block: usize,
         positions: &[[f32; 3]],
-        normals: Option<&[[f32; 3]]>,
+        normals: Option<&'a [[f32; 3]]>,
+        tangents: Option<&'a [[f32; 3]]>,
     ) -> LocalDeltas {
         let mut out = LocalDeltas::default();
         let Some(b) = self.blocks.get(block) else { return out };
@@ -373,13 +406,11 @@ impl Rest {
             };
             out.positions.push(clean(single(local)));
         }
-        if let (Some(rest), Some(base), Some(now)) =
-            (&b.normals, &b.local_normals, normals.and_then(|normals| normals.get(range)))
-        {
-            let deltas = rest.iter().zip(base).zip(now).enumerate();
-            out.normals =
-                Some(deltas.map(|(v, ((n, base), now))| b.normal_delta(v, *n, *base, *now)).collect());
-        }
+        let now = |list: Option<&'a [[f32; 3]]>| list.and_then(|list| list.get(range.clone()));
+        let back = |v| b.frame.way(v).transpose;
+        out.normals = b.turned(b.normals.as_ref(), b.local_normals.as_ref(), now(normals), back);
+        let back = |v| b.frame.way(v).inverse.unwrap_or_default();
+        out.tangents = b.turned(b.tangents.as_ref(), b.local_tangents.as_ref(), now(tangents), back);
         out
     }
 }
@@ -413,13 +444,30 @@ impl Rest {
 }
 
 impl Block {
-    fn normal_delta(&self, v: usize, rest: [f32; 3], base: [f32; 3], now: [f32; 3]) -> [f32; 3] {
-        let way = self.frame.way(v);
-        let target = (way.transpose * double(now)).normalize_or_zero();
-        if rest == now || way.inverse.is_none() || target == DVec3::ZERO {
-            return [0.0; 3];
-        }
-        clean(single(target - double(base)))
+    /// The texture coordinates that the tangents belong to: those of the first normal map, else the first set.
+    pub fn tangent_uvs(&self) -> Option<&[[f32; 2]]> {
+        let uvs = self.tangent_uvs.as_ref().or(self.uvs.as_ref());
+        uvs.map(Vec::as_slice).filter(|uvs| uvs.len() == self.count)
+    }
+
+    /// What turns the unit directions `base` of the mesh, in the world `rest`, to those that are `now` in the world; `back` takes
+    /// one of a vertex back, but for its length.
+    fn turned(
+        &self,
+        rest: Option<&Vec<[f32; 3]>>,
+        base: Option<&Vec<[f32; 3]>>,
+        now: Option<&[[f32; 3]]>,
+        back: impl Fn(usize) -> DMat3,
+    ) -> Option<Vec<[f32; 3]>> {
+        let all = rest?.iter().zip(base?).zip(now?).enumerate();
+        let delta = |(v, ((rest, base), now)): (usize, ((&[f32; 3], &[f32; 3]), &[f32; 3]))| {
+            let target = (back(v) * double(*now)).normalize_or_zero();
+            if rest == now || self.frame.way(v).inverse.is_none() || target == DVec3::ZERO {
+                return [0.0; 3];
+            }
+            clean(single(target - double(*base)))
+        };
+        Some(all.map(delta).collect())
     }
 }
 

