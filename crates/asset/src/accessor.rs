@@ -135,24 +135,15 @@ impl Gltf {
         &'a self,
         reference: Json<'_>,
     ) -> Result<(&'a [u8], usize, Option<usize>), AssetError> {
-        let (_, view) = self.follow("bufferViews", reference)?;
-        let buffer = view.need("buffer")?.index("buffer", self.buffers.len())?;
-        let buffer = self.buffers.get(buffer).ok_or_else(|| view.fault("a buffer"))?;
-        let offset = view.uint_or("byteOffset", 0)?;
-        let length = view.need("byteLength")?;
-        let bytes = offset
-            .checked_add(length.uint()?)
-            .filter(|&end| end <= buffer.length)
-            .and_then(|end| buffer.bytes.get(offset..end))
-            .ok_or_else(|| {
-                length.found(
-                    format!("{} bytes from byte {offset}", length.value()),
-                    format!("a range within the {} bytes of the buffer", buffer.length),
-                )
-            })?;
-        if bytes.is_empty() {
-            return Err(length.fault("at least one byte"));
+        let (index, view) = self.follow("bufferViews", reference)?;
+        if let Some(error) = self.undecoded.get(&index) {
+            return Err(error.clone());
         }
+        let bytes = self.range(view)?;
+        if bytes.is_empty() {
+            return Err(view.need("byteLength")?.fault("at least one byte"));
+        }
+        let offset = view.uint_or("byteOffset", 0)?;
         let stride = match view.get("byteStride")? {
             None => None,
             Some(json) => {

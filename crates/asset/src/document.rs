@@ -1,5 +1,6 @@
 //! A glTF document: its JSON as it was read, and the bytes of its buffers.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
@@ -8,22 +9,24 @@ use crate::container;
 use crate::edit::whole;
 use crate::error::{AssetError, Place, Warning};
 use crate::json::Json;
-use crate::limits::{Budget, Limits, Of};
+use crate::limits::{Budget, Limits, Of, reserve};
+use crate::meshopt::is_fallback;
 use crate::uri;
 
 /// Required extensions that keep the geometry in a form that is not decoded here.
-const COMPRESSED: [&str; 3] =
-    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+const COMPRESSED: [&str; 1] = ["KHR_draco_mesh_compression"];
 
 /// Extensions that may be required: none of them changes where vertices are or how they are stored, except
-/// `KHR_mesh_quantization`, which the accessor views read.
-const UNDERSTOOD: [&str; 12] = [
+/// `KHR_mesh_quantization`, which the accessor views read, and meshopt's compression, which is decoded under them.
+const UNDERSTOOD: [&str; 14] = [
     "EXT_lights_image_based",
+    "EXT_meshopt_compression",
     "EXT_texture_avif",
     "EXT_texture_webp",
     "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_techniques_webgl",
     "KHR_texture_basisu",
@@ -46,6 +49,8 @@ pub(crate) enum Source {
     File,
     /// Added here.
     New,
+    /// Compressed views: nothing of it is written.
+    Fallback,
 }
 
 #[derive(Clone, Debug)]
@@ -73,6 +78,8 @@ pub struct Gltf {
     pub(crate) orphan: Option<Vec<u8>>,
     /// Chunks behind BIN, headers included.
     pub(crate) chunks: Vec<u8>,
+    /// Compressed views that cannot be decoded, and why.
+    pub(crate) undecoded: BTreeMap<usize, AssetError>,
     pub(crate) limits: Limits,
     pub(crate) warnings: Vec<Warning>,
     /// The buffer that takes new data, once there is one.
@@ -134,6 +141,7 @@ impl Gltf {
             buffers: Vec::new(),
             orphan: bin,
             chunks,
+            undecoded: BTreeMap::new(),
             limits: *limits,
             warnings,
             growing: None,
@@ -207,6 +215,12 @@ impl Gltf {
                 let length = buffer.need("byteLength")?.uint()?;
                 let (bytes, source) = match buffer.get("uri")? {
                     Some(uri) => self.load_uri(uri, budget)?,
+                    None if is_fallback(buffer) => {
+                        budget.charge(Of::ExpandedBytes, length as u64, || buffer.place())?;
+                        let mut bytes = reserve(length)?;
+                        bytes.resize(length, 0);
+                        (bytes, Source::Fallback)
+                    }
                     None => match bin.take().filter(|_| index == 0) {
                         Some(bytes) => (bytes, Source::Bin),
                         None => {
@@ -223,7 +237,7 @@ impl Gltf {
         }
         self.buffers = buffers;
         self.orphan = bin;
-        Ok(())
+        self.decode_views()
     }
 
     /// Warns of views that end beyond their buffer. Where geometry uses one it is an error there.

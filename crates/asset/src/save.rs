@@ -81,7 +81,7 @@ impl Gltf {
             let stem = match buffer.source {
                 Source::Bin => stem.clone(),
                 Source::New => format!("{stem}_wirework"),
-                Source::Data | Source::File => continue,
+                Source::Data | Source::File | Source::Fallback => continue,
             };
             let numbered = (2_usize..).map(|n| format!("{stem}_{n}.bin"));
             let mut names = std::iter::once(format!("{stem}.bin")).chain(numbered);
@@ -149,12 +149,19 @@ impl Gltf {
             bin.resize(bin.len().div_ceil(4) * 4, 0);
             bin.len()
         };
+        // Where each buffer goes: into the chunk, from a byte on; one without data stays a buffer of its own.
         let mut starts = Vec::with_capacity(self.buffers.len());
-        for buffer in &self.buffers {
-            starts.push(align(&mut bin));
+        let mut apart = Vec::new();
+        for (buffer, entry) in self.buffers.iter().zip(self.list("buffers")) {
+            if buffer.source == Source::Fallback {
+                apart.push(entry.clone());
+                starts.push((apart.len(), 0));
+                continue;
+            }
+            starts.push((0, align(&mut bin)));
             bin.extend_from_slice(&buffer.bytes[..buffer.length]);
         }
-        if starts.len() > 1 || starts.first().is_some_and(|&start| start > 0) {
+        if starts.len() > 1 || starts.first().is_some_and(|&(_, start)| start > 0) {
             for view in json.get_mut("bufferViews").and_then(Value::as_array_mut).into_iter().flatten() {
                 move_view(view, &starts);
                 for extension in VIEW_EXTENSIONS {
@@ -186,10 +193,12 @@ impl Gltf {
         if bin.is_empty() {
             return (json, None);
         }
-        let mut first = self.list("buffers").first().and_then(Value::as_object).cloned().unwrap_or_default();
+        let first = self.buffers.iter().zip(self.list("buffers")).find(|(b, _)| b.source != Source::Fallback);
+        let mut first = first.and_then(|(_, entry)| entry.as_object()).cloned().unwrap_or_default();
         first.shift_remove("uri");
         first.insert("byteLength".to_owned(), json!(bin.len()));
-        json["buffers"] = json!([first]);
+        let all: Vec<Value> = std::iter::once(Value::Object(first)).chain(apart).collect();
+        json["buffers"] = Value::Array(all);
         (json, Some(bin))
     }
 
@@ -202,15 +211,16 @@ impl Gltf {
     }
 }
 
-/// Lets a view refer to the one buffer. One that no buffer can hold, of which reading warned, stays as it is.
-fn move_view(view: &mut Value, starts: &[usize]) {
-    let Some(start) = view.get("buffer").and_then(whole).and_then(|buffer| starts.get(buffer)) else {
+/// Lets a view refer to where its buffer has gone. One that no buffer can hold, of which reading warned, stays as it is.
+fn move_view(view: &mut Value, starts: &[(usize, usize)]) {
+    let Some((place, start)) = view.get("buffer").and_then(whole).and_then(|buffer| starts.get(buffer))
+    else {
         return;
     };
     let offset = view.get("byteOffset").and_then(whole).unwrap_or(0);
     let Some(moved) = offset.checked_add(*start) else { return };
     if let Some(view) = view.as_object_mut() {
-        view.insert("buffer".to_owned(), json!(0));
+        view.insert("buffer".to_owned(), json!(place));
         if *start > 0 {
             view.insert("byteOffset".to_owned(), json!(moved));
         }
