@@ -1,5 +1,7 @@
 //! The GLB container: a header of 12 bytes, a JSON chunk, perhaps a BIN chunk, and chunks nobody knows yet.
 
+use std::ops::Range;
+
 use crate::error::{AssetError, Place};
 
 /// `glTF`, little endian.
@@ -14,7 +16,8 @@ const CHUNK_HEADER: usize = 8;
 #[derive(Debug)]
 pub(crate) struct Chunks<'a> {
     pub(crate) json: &'a [u8],
-    pub(crate) bin: Option<&'a [u8]>,
+    /// Which bytes of the file are those of the BIN chunk.
+    pub(crate) bin: Option<Range<usize>>,
     /// Everything behind the chunks above, headers included; kept as it is.
     pub(crate) rest: &'a [u8],
     /// How many bytes follow the length that the header declares; they are not part of the file.
@@ -44,7 +47,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Chunks<'_>, AssetError> {
     }
     let mut bin = None;
     if let Some((BIN, data, end)) = chunk(body, next)? {
-        bin = Some(data);
+        bin = Some(end - data.len()..end);
         next = end;
     }
     let rest = body.get(next..).unwrap_or(&[]);
@@ -120,7 +123,8 @@ mod tests {
         let rest = [4, 0, 0, 0, b'X', b'Y', b'Z', b'W', 1, 2, 3, 4];
         let bytes = assemble(b"{}", Some(&[1, 2, 3]), &rest).unwrap();
         let chunks = parse(&bytes).unwrap();
-        assert_eq!((chunks.json, chunks.bin), (&b"{}  "[..], Some(&[1, 2, 3, 0][..])));
+        let bin = chunks.bin.map(|bin| &bytes[bin]);
+        assert_eq!((chunks.json, bin), (&b"{}  "[..], Some(&[1, 2, 3, 0][..])));
         assert_eq!((chunks.rest, chunks.beyond), (&rest[..], 0));
         assert_eq!(parse(&assemble(b"{} ", None, &rest).unwrap()).unwrap().rest, rest);
     }

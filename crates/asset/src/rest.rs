@@ -216,7 +216,7 @@ impl Shown<'_> {
                 .of_class(ErrorClass::Limit));
         }
         let attributes = primitive.need("attributes")?;
-        let frame = self.place(&local.positions, attributes, rest, budget)?;
+        let frame = self.place(local.positions, attributes, rest, budget)?;
         let normals = local.normals.as_ref().map(|normals| {
             normals.iter().enumerate().map(|(v, &n)| frame.way(v).normal(double(n))).collect()
         });
@@ -237,10 +237,10 @@ impl Shown<'_> {
         Ok(())
     }
 
-    /// Appends the world positions of vertices.
+    /// Appends the world positions of vertices, in place of `local` where they are the first.
     fn place(
         &self,
-        local: &[[f32; 3]],
+        mut local: Vec<[f32; 3]>,
         attributes: Json<'_>,
         rest: &mut Rest,
         budget: &mut Budget,
@@ -248,23 +248,32 @@ impl Shown<'_> {
         let fault = |found: &str| {
             AssetError::new(attributes.place(), found, "vertices in the range of floats that fit into memory")
         };
-        rest.positions.try_reserve(local.len()).map_err(|_| fault("more vertices than fit"))?;
-        let Some(joints) = self.joints else {
-            let matrix = &self.graph.world[self.node];
-            for &p in local {
-                rest.positions.push(place(matrix, double(p)).map_err(fault)?);
-            }
-            return Ok(Frame::Node(Way::new(matrix)));
-        };
-        let (count, warnings) = (local.len(), &mut rest.warnings);
-        let influences = Influences::read(self.gltf, attributes, count, joints.len(), budget, warnings)?;
-        let mut ways = reserve(count)?;
-        for (v, &p) in local.iter().enumerate() {
-            let matrix = influences.matrix(v, joints);
-            rest.positions.push(place(&matrix, double(p)).map_err(fault)?);
-            ways.push(Way::new(&matrix));
+        if !rest.positions.is_empty() {
+            rest.positions.try_reserve(local.len()).map_err(|_| fault("more vertices than fit"))?;
         }
-        Ok(Frame::Skin(ways))
+        let frame = if let Some(joints) = self.joints {
+            let (count, warnings) = (local.len(), &mut rest.warnings);
+            let influences = Influences::read(self.gltf, attributes, count, joints.len(), budget, warnings)?;
+            let mut ways = reserve(count)?;
+            for (v, p) in local.iter_mut().enumerate() {
+                let matrix = influences.matrix(v, joints);
+                *p = place(&matrix, double(*p)).map_err(fault)?;
+                ways.push(Way::new(&matrix));
+            }
+            Frame::Skin(ways)
+        } else {
+            let matrix = &self.graph.world[self.node];
+            for p in &mut local {
+                *p = place(matrix, double(*p)).map_err(fault)?;
+            }
+            Frame::Node(Way::new(matrix))
+        };
+        if rest.positions.is_empty() {
+            rest.positions = local;
+        } else {
+            rest.positions.append(&mut local);
+        }
+        Ok(frame)
     }
 
     fn part(
@@ -278,13 +287,11 @@ impl Shown<'_> {
         let (first, count) = (rest.blocks[block].first, rest.blocks[block].count);
         let mut triangles = self.gltf.triangles(primitive, count, budget, &mut rest.warnings)?;
         let mirrored = rest.blocks[block].frame.mirrored();
-        for triangle in &mut triangles {
-            for corner in triangle.iter_mut() {
-                *corner += first as u32;
-            }
-            if mirrored {
-                triangle.swap(1, 2);
-            }
+        if first > 0 {
+            triangles.as_flattened_mut().iter_mut().for_each(|corner| *corner += first as u32);
+        }
+        if mirrored {
+            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
         let material = primitive.get("material")?.map(|m| self.gltf.follow("materials", m)).transpose()?;
         rest.parts.push(Part {
@@ -297,7 +304,11 @@ impl Shown<'_> {
             first_triangle: rest.triangles.len(),
             triangle_count: triangles.len(),
         });
-        rest.triangles.append(&mut triangles);
+        if rest.triangles.is_empty() {
+            rest.triangles = triangles;
+        } else {
+            rest.triangles.append(&mut triangles);
+        }
         Ok(())
     }
 }
