@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use wirework_surface::{Corner, Mesh};
@@ -80,10 +81,10 @@ pub struct Part {
 #[derive(Clone, Debug)]
 enum Frame {
     Node(Way),
-    /// Those of vertices are blended when they are needed: to keep them takes six times the memory of the vertices.
+    /// Those of vertices are blended when they are needed: to keep them takes six times the memory of their shares.
     Skin {
         influences: Influences,
-        joints: Vec<DAffine3>,
+        joints: Arc<[DAffine3]>,
         mirrored: bool,
     },
 }
@@ -123,18 +124,17 @@ impl Gltf {
             let joints = match graph.nodes[node].skin {
                 None => None,
                 Some(index) => Some(match skins.entry(index) {
-                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Occupied(known) => &*known.into_mut(),
                     Entry::Vacant(place) => {
                         let json = self.root().need("skins")?.item(index)?;
                         let nodes = graph.nodes.len();
                         let skin = Skin::read(self, json, nodes, &mut budget, &mut rest.warnings)?;
                         let mut matrices = Vec::new();
                         skin.matrices_into(&graph.world, &mut matrices);
-                        place.insert(matrices)
+                        &*place.insert(Arc::from(matrices))
                     }
                 }),
             };
-            let joints = joints.map(|joints| joints.as_slice());
             let shown = Shown { gltf: self, graph: &graph, node, mesh, joints };
             shown.read(&mut rest, &mut budget)?;
         }
@@ -168,7 +168,7 @@ struct Shown<'a> {
     graph: &'a Graph,
     node: usize,
     mesh: usize,
-    joints: Option<&'a [DAffine3]>,
+    joints: Option<&'a Arc<[DAffine3]>>,
 }
 
 impl Shown<'_> {
@@ -270,14 +270,16 @@ impl Shown<'_> {
                     *normal = Way::new(&matrix).normal(double(*normal));
                 }
             }
-            Frame::Skin { influences, joints: joints.to_vec(), mirrored: turns < 0 }
+            Frame::Skin { influences, joints: Arc::clone(joints), mirrored: turns < 0 }
         } else {
             let matrix = &self.graph.world[self.node];
             let way = Way::new(matrix);
             for p in &mut local {
                 *p = place(matrix, double(*p)).map_err(fault)?;
             }
-            normals.iter_mut().for_each(|n| *n = way.normal(double(*n)));
+            for n in normals {
+                *n = way.normal(double(*n));
+            }
             Frame::Node(way)
         };
         if rest.positions.is_empty() {
@@ -303,7 +305,9 @@ impl Shown<'_> {
             triangles.as_flattened_mut().iter_mut().for_each(|corner| *corner += first as u32);
         }
         if mirrored {
-            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+            for triangle in &mut triangles {
+                triangle.swap(1, 2);
+            }
         }
         let material = primitive.get("material")?.map(|m| self.gltf.follow("materials", m)).transpose()?;
         rest.parts.push(Part {
