@@ -181,7 +181,7 @@ fn check_bounds(
     Ok(())
 }
 
-/// The least and the largest of each component; of zeros neither sign is preferred.
+/// The least and the largest of each component.
 pub(crate) fn bounds<const N: usize>(values: &[[f32; N]]) -> ([f32; N], [f32; N]) {
     /// Bounds that are kept side by side: those of every eighth value, so that none waits for the one before.
     const LANES: usize = 8;
@@ -199,7 +199,7 @@ pub(crate) fn bounds<const N: usize>(values: &[[f32; N]]) -> ([f32; N], [f32; N]
         let pair = |a: [f32; N], b: &[f32; N]| std::array::from_fn(|k| pick(a[k], b[k]));
         all.iter().chain(rest).fold(first, pair)
     };
-    (fold(&min, f32::min), fold(&max, f32::max))
+    (fold(&min, |a, b| if b < a { b } else { a }), fold(&max, |a, b| if b > a { b } else { a }))
 }
 
 /// A set of texture coordinates, if the primitive has it.

@@ -89,29 +89,45 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 
 /// Puts a GLB file together: JSON padded with spaces, BIN with zeros, `rest` as it is.
 pub(crate) fn assemble(json: &[u8], bin: Option<&[u8]>, rest: &[u8]) -> Result<Vec<u8>, AssetError> {
+    let (mut out, after) = around(json, bin.map(<[u8]>::len), rest)?;
+    let bin = bin.unwrap_or(&[]);
+    let room = bin.len() + after.len();
+    out.try_reserve_exact(room).map_err(|_| {
+        AssetError::file(format!("{room} more bytes"), "an output that fits into memory")
+            .of_class(crate::ErrorClass::Limit)
+    })?;
+    out.extend_from_slice(bin);
+    out.extend_from_slice(&after);
+    Ok(out)
+}
+
+/// What stands in a GLB file before the bytes of a BIN chunk of `bin` bytes, and what behind them.
+pub(crate) fn around(json: &[u8], bin: Option<usize>, rest: &[u8]) -> Result<(Vec<u8>, Vec<u8>), AssetError> {
     let padded = |length: usize| length.div_ceil(4) * 4;
     let mut total = HEADER + CHUNK_HEADER + padded(json.len()) + rest.len();
-    total += bin.map_or(0, |bin| CHUNK_HEADER + padded(bin.len()));
+    total += bin.map_or(0, |bin| CHUNK_HEADER + padded(bin));
     let Ok(length) = u32::try_from(total) else {
         return Err(AssetError::file(format!("a GLB of {total} bytes"), "less than 4 GiB: write a .gltf")
             .of_class(crate::ErrorClass::Limit));
     };
-    let mut out = crate::limits::reserve(total)?;
-    out.extend_from_slice(&MAGIC);
-    out.extend_from_slice(&VERSION.to_le_bytes());
-    out.extend_from_slice(&length.to_le_bytes());
-    let mut push = |kind: u32, data: &[u8], fill: u8| {
-        out.extend_from_slice(&(padded(data.len()) as u32).to_le_bytes());
+    let mut before = crate::limits::reserve(HEADER + 2 * CHUNK_HEADER + padded(json.len()))?;
+    before.extend_from_slice(&MAGIC);
+    before.extend_from_slice(&VERSION.to_le_bytes());
+    before.extend_from_slice(&length.to_le_bytes());
+    let chunk = |out: &mut Vec<u8>, length: usize, kind: u32| {
+        out.extend_from_slice(&(padded(length) as u32).to_le_bytes());
         out.extend_from_slice(&kind.to_le_bytes());
-        out.extend_from_slice(data);
-        out.resize(padded(out.len()), fill);
     };
-    push(JSON, json, b' ');
+    chunk(&mut before, json.len(), JSON);
+    before.extend_from_slice(json);
+    before.resize(padded(before.len()), b' ');
+    let mut after = Vec::new();
     if let Some(bin) = bin {
-        push(BIN, bin, 0);
+        chunk(&mut before, bin, BIN);
+        after.resize(padded(bin) - bin, 0);
     }
-    out.extend_from_slice(rest);
-    Ok(out)
+    after.extend_from_slice(rest);
+    Ok((before, after))
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
 //! The rest geometry of a document: what its scene shows before the effect, in world space, and the way back from
 //! the world to the space of each mesh.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use wirework_surface::{Corner, Mesh};
 
 use crate::attributes::{self, Local};
@@ -12,7 +14,7 @@ use crate::document::Gltf;
 use crate::error::{AssetError, ErrorClass, Warning};
 use crate::graph::{Graph, floats};
 use crate::json::Json;
-use crate::limits::{Budget, Of, reserve};
+use crate::limits::{Budget, Of};
 use crate::primitive::Mode;
 use crate::skin::{Influences, Skin};
 use crate::way::{Way, double, place, single};
@@ -75,11 +77,16 @@ pub struct Part {
     pub triangle_count: usize,
 }
 
-/// The linear parts of the transforms of a block.
+/// The transforms of a block.
 #[derive(Clone, Debug)]
 enum Frame {
     Node(Way),
-    Skin(Vec<Way>),
+    /// Those of vertices are blended when they are needed: to keep them takes six times the memory of their shares.
+    Skin {
+        influences: Influences,
+        joints: Arc<[DAffine3]>,
+        mirrored: bool,
+    },
 }
 
 /// Displacements of a block in the space of its mesh.
@@ -117,18 +124,17 @@ impl Gltf {
             let joints = match graph.nodes[node].skin {
                 None => None,
                 Some(index) => Some(match skins.entry(index) {
-                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Occupied(known) => &*known.into_mut(),
                     Entry::Vacant(place) => {
                         let json = self.root().need("skins")?.item(index)?;
                         let nodes = graph.nodes.len();
                         let skin = Skin::read(self, json, nodes, &mut budget, &mut rest.warnings)?;
                         let mut matrices = Vec::new();
                         skin.matrices_into(&graph.world, &mut matrices);
-                        place.insert(matrices)
+                        &*place.insert(Arc::from(matrices))
                     }
                 }),
             };
-            let joints = joints.map(|joints| joints.as_slice());
             let shown = Shown { gltf: self, graph: &graph, node, mesh, joints };
             shown.read(&mut rest, &mut budget)?;
         }
@@ -162,7 +168,7 @@ struct Shown<'a> {
     graph: &'a Graph,
     node: usize,
     mesh: usize,
-    joints: Option<&'a [DAffine3]>,
+    joints: Option<&'a Arc<[DAffine3]>>,
 }
 
 impl Shown<'_> {
@@ -216,10 +222,9 @@ impl Shown<'_> {
                 .of_class(ErrorClass::Limit));
         }
         let attributes = primitive.need("attributes")?;
-        let frame = self.place(local.positions, attributes, rest, budget)?;
-        let normals = local.normals.as_ref().map(|normals| {
-            normals.iter().enumerate().map(|(v, &n)| frame.way(v).normal(double(n))).collect()
-        });
+        let mut normals = local.normals.clone();
+        let world_normals = normals.as_deref_mut().unwrap_or_default();
+        let frame = self.place(local.positions, world_normals, attributes, rest, budget)?;
         if normals.is_none() && Mode::read(primitive)? as u8 >= Mode::Triangles as u8 {
             let message = "there are no normals; they are computed where they are needed";
             rest.warnings.push(Warning::new("normals-missing", attributes.place(), message));
@@ -237,10 +242,12 @@ impl Shown<'_> {
         Ok(())
     }
 
-    /// Appends the world positions of vertices, in place of `local` where they are the first.
+    /// Appends the world positions of vertices, in place of `local` where they are the first, and takes their normals
+    /// to the world.
     fn place(
         &self,
         mut local: Vec<[f32; 3]>,
+        normals: &mut [[f32; 3]],
         attributes: Json<'_>,
         rest: &mut Rest,
         budget: &mut Budget,
@@ -254,19 +261,26 @@ impl Shown<'_> {
         let frame = if let Some(joints) = self.joints {
             let (count, warnings) = (local.len(), &mut rest.warnings);
             let influences = Influences::read(self.gltf, attributes, count, joints.len(), budget, warnings)?;
-            let mut ways = reserve(count)?;
+            let mut turns = 0;
             for (v, p) in local.iter_mut().enumerate() {
                 let matrix = influences.matrix(v, joints);
                 *p = place(&matrix, double(*p)).map_err(fault)?;
-                ways.push(Way::new(&matrix));
+                turns += handedness(&matrix.matrix3.transpose());
+                if let Some(normal) = normals.get_mut(v) {
+                    *normal = Way::new(&matrix).normal(double(*normal));
+                }
             }
-            Frame::Skin(ways)
+            Frame::Skin { influences, joints: Arc::clone(joints), mirrored: turns < 0 }
         } else {
             let matrix = &self.graph.world[self.node];
+            let way = Way::new(matrix);
             for p in &mut local {
                 *p = place(matrix, double(*p)).map_err(fault)?;
             }
-            Frame::Node(Way::new(matrix))
+            for n in normals {
+                *n = way.normal(double(*n));
+            }
+            Frame::Node(way)
         };
         if rest.positions.is_empty() {
             rest.positions = local;
@@ -291,7 +305,9 @@ impl Shown<'_> {
             triangles.as_flattened_mut().iter_mut().for_each(|corner| *corner += first as u32);
         }
         if mirrored {
-            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+            for triangle in &mut triangles {
+                triangle.swap(1, 2);
+            }
         }
         let material = primitive.get("material")?.map(|m| self.gltf.follow("materials", m)).transpose()?;
         rest.parts.push(Part {
@@ -335,21 +351,25 @@ pub(crate) fn default_weights(
 }
 
 impl Frame {
-    fn way(&self, vertex: usize) -> &Way {
+    fn way(&self, vertex: usize) -> Cow<'_, Way> {
         match self {
-            Self::Node(way) => way,
-            Self::Skin(ways) => &ways[vertex],
+            Self::Node(way) => Cow::Borrowed(way),
+            Self::Skin { influences, joints, .. } => Cow::Owned(Way::new(&influences.matrix(vertex, joints))),
         }
     }
 
     /// Whether most of it turns right-handed into left-handed, which turns triangles round.
     fn mirrored(&self) -> bool {
-        let sign = |way: &Way| way.transpose.determinant().partial_cmp(&0.0).map_or(0, |order| order as i64);
         match self {
-            Self::Node(way) => sign(way) < 0,
-            Self::Skin(ways) => ways.iter().map(sign).sum::<i64>() < 0,
+            Self::Node(way) => handedness(&way.transpose) < 0,
+            Self::Skin { mirrored, .. } => *mirrored,
         }
     }
+}
+
+/// The sign of the determinant; 0 where there is none.
+fn handedness(matrix: &DMat3) -> i64 {
+    matrix.determinant().partial_cmp(&0.0).map_or(0, |order| order as i64)
 }
 
 impl Rest {
@@ -371,25 +391,25 @@ impl Rest {
         else {
             return out;
         };
+        let given = normals.and_then(|normals| normals.get(range));
+        let normals = b.normals.as_ref().zip(b.local_normals.as_ref()).zip(given);
         out.positions.reserve_exact(b.count);
+        out.normals = normals.map(|_| Vec::with_capacity(b.count));
         for (v, (p, q)) in rest.iter().zip(now).enumerate() {
             let delta = double(*q) - double(*p);
-            let local = match b.frame.way(v).inverse {
-                _ if delta == DVec3::ZERO => DVec3::ZERO,
-                Some(inverse) => inverse * delta,
-                None => {
-                    out.stuck += 1;
-                    DVec3::ZERO
-                }
-            };
-            out.positions.push(clean(single(local)));
-        }
-        if let (Some(rest), Some(base), Some(now)) =
-            (&b.normals, &b.local_normals, normals.and_then(|normals| normals.get(range)))
-        {
-            let deltas = rest.iter().zip(base).zip(now).enumerate();
-            out.normals =
-                Some(deltas.map(|(v, ((n, base), now))| b.normal_delta(v, *n, *base, *now)).collect());
+            let turned = normals.and_then(|((rest, base), now)| {
+                (rest.get(v)? != now.get(v)?).then_some((*base.get(v)?, *now.get(v)?))
+            });
+            let moves = delta != DVec3::ZERO;
+            let way = (moves || turned.is_some()).then(|| b.frame.way(v));
+            let way = way.as_deref();
+            out.stuck += usize::from(moves && way.is_some_and(|way| way.inverse.is_none()));
+            let inverse = way.filter(|_| moves).and_then(|way| way.inverse);
+            out.positions.push(clean(single(inverse.map_or(DVec3::ZERO, |inverse| inverse * delta))));
+            if let Some(normals) = &mut out.normals {
+                let turned = turned.zip(way);
+                normals.push(turned.map_or([0.0; 3], |((base, now), way)| normal_delta(way, base, now)));
+            }
         }
         out
     }
@@ -423,15 +443,13 @@ impl Rest {
     }
 }
 
-impl Block {
-    fn normal_delta(&self, v: usize, rest: [f32; 3], base: [f32; 3], now: [f32; 3]) -> [f32; 3] {
-        let way = self.frame.way(v);
-        let target = (way.transpose * double(now)).normalize_or_zero();
-        if rest == now || way.inverse.is_none() || target == DVec3::ZERO {
-            return [0.0; 3];
-        }
-        clean(single(target - double(base)))
+/// What to add to the normal `base` of a mesh so that it points to `now` in the world.
+fn normal_delta(way: &Way, base: [f32; 3], now: [f32; 3]) -> [f32; 3] {
+    let target = (way.transpose * double(now)).normalize_or_zero();
+    if way.inverse.is_none() || target == DVec3::ZERO {
+        return [0.0; 3];
     }
+    clean(single(target - double(base)))
 }
 
 /// Turns `−0` into `0` and what is not finite into 0, so that equal deltas have equal bits.
