@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         binding.deform_into(&wires, &Blend::default(), &mut held)?;
         free_form.deform_into(&held, &mut positions)?;
         shading.update_into(&positions, &mut buffer, &mut normals)?;
-        baker.push(f64::from(frame) / FPS, &positions, Some(&normals))?;
+        baker.push(f64::from(frame) / FPS, &positions, Some(&normals), None)?;
     }
     write_files(&baker.finish()?.gltf.files(&out, Format::Glb)?)?;
     println!("wrote {}", out.display());

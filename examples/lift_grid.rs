@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         wires[0].pose[2][1] = 0.5 * height;
         binding.deform_into(&wires, &Blend::default(), &mut positions)?;
         shading.update_into(&positions, &mut buffer, &mut normals)?;
-        baker.push(f64::from(frame) / FPS, &positions, Some(&normals))?;
+        baker.push(f64::from(frame) / FPS, &positions, Some(&normals), None)?;
     }
 
     write_files(&baker.finish()?.gltf.files(&out, Format::Glb)?)?;

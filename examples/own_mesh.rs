@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let times = schedule(&When::All, preset.duration, preset.animated, 24.0, 1000)?;
     for (_, seconds) in times.moments() {
         effect.at(seconds, &mut now)?;
-        baker.push(seconds, &now, None)?;
+        baker.push(seconds, &now, None, None)?;
     }
 
     write_files(&baker.finish()?.gltf.files(&out, Format::Glb)?)?;

@@ -11,7 +11,7 @@ use wirework_surface::Mesh;
 use crate::error::count;
 use crate::motion::Motion;
 use crate::output::{Pattern, Scene, scene_mesh};
-use crate::shade::{Vertices, own_normals};
+use crate::shade::{Follow, Vertices, own_normals};
 use crate::subject::Model;
 use crate::{Job, JobError, NewClip, Progress, Schedule};
 
@@ -62,12 +62,15 @@ impl Film<'_> {
         let known = gltf.warnings().len();
         let clips = gltf.clip_names().len();
         let start = Instant::now();
-        let mut vertices = [Vertices::of_scene(&rest, point_of)?];
+        let still = matches!(self.schedule, Schedule::Still(_));
+        let who = if still { Follow::All } else { Follow::NormalMapped };
+        let mut vertices = [Vertices::of_scene(&rest, point_of)?.with_tangents(&rest, who)?];
         self.shade += start.elapsed();
-        if matches!(self.schedule, Schedule::Still(_)) {
+        if still {
             self.play(&mut vertices, |_, _, vertices| {
                 let [vertices] = vertices else { return Ok(()) };
-                let stuck = gltf.set_still(&rest, &vertices.positions, vertices.normals())?;
+                let stuck =
+                    gltf.set_still(&rest, &vertices.positions, vertices.normals(), vertices.tangents())?;
                 if stuck > 0 {
                     let who = if stuck == 1 { "vertex stays" } else { "vertices stay" };
                     gltf.warn("singular", format!("{stuck} {who} in place: the transform has no inverse"));
@@ -81,7 +84,7 @@ impl Film<'_> {
             let mut baker = Baker::new(gltf, &rest, settings);
             self.play(&mut vertices, |_, seconds, vertices| {
                 let [vertices] = vertices else { return Ok(()) };
-                Ok(baker.push(seconds, &vertices.positions, vertices.normals())?)
+                Ok(baker.push(seconds, &vertices.positions, vertices.normals(), vertices.tangents())?)
             })?;
             let start = Instant::now();
             gltf = baker.finish()?.gltf;

@@ -1,10 +1,12 @@
-//! The vertices that are written, and how they follow the points: places through the weld, normals through the
-//! faces.
+//! The vertices that are written, and how they follow the points: places through the weld, normals and tangents through
+//! the faces.
 
 use std::collections::HashMap;
 
 use wirework_asset::Rest;
-use wirework_surface::{Corner, Mesh, MeshError, Normals, NormalsBuffer, NormalsError};
+use wirework_surface::{
+    Corner, Mesh, MeshError, Normals, NormalsBuffer, NormalsError, Tangents, TangentsBuffer,
+};
 
 use crate::weld::spread;
 
@@ -23,6 +25,23 @@ struct Shading {
     model: Normals,
     buffer: NormalsBuffer,
     now: Vec<[f32; 3]>,
+    tangents: Option<Tangential>,
+}
+
+#[derive(Debug)]
+struct Tangential {
+    model: Tangents,
+    buffer: TangentsBuffer,
+    now: Vec<[f32; 3]>,
+}
+
+/// Whose tangents follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Follow {
+    /// Those of normal-mapped primitives: morphing the others would cost each viewer and show nowhere.
+    NormalMapped,
+    /// All: a still replaces geometry, and what is left of the old would be wrong.
+    All,
 }
 
 impl Vertices {
@@ -35,7 +54,8 @@ impl Vertices {
     /// Gives each vertex a normal, which follows the triangles round it.
     fn shaded(mut self, normals: Vec<[f32; 3]>, triangles: &[[u32; 3]]) -> Result<Self, NormalsError> {
         let model = Normals::new(&self.rest, &normals, triangles)?;
-        self.shading = Some(Shading { model, buffer: NormalsBuffer::default(), now: normals });
+        self.shading =
+            Some(Shading { model, buffer: NormalsBuffer::default(), now: normals, tangents: None });
         Ok(self)
     }
 
@@ -55,15 +75,53 @@ impl Vertices {
         if any { vertices.shaded(normals, &rest.triangles) } else { Ok(vertices) }
     }
 
+    /// Lets tangents follow as well, where the scene, that of [`Vertices::of_scene`], has any.
+    pub(crate) fn with_tangents(mut self, rest: &Rest, who: Follow) -> Result<Self, NormalsError> {
+        let Some(shading) = &mut self.shading else { return Ok(self) };
+        let mut tangents = vec![[0.0; 3]; self.rest.len()];
+        let mut uvs = vec![[0.0; 2]; self.rest.len()];
+        let mut triangles = Vec::new();
+        let mut any = false;
+        for (index, block) in rest.blocks.iter().enumerate() {
+            let parts = || rest.parts.iter().filter(move |part| part.block == index);
+            let Some(own) = &block.tangents else { continue };
+            if who == Follow::NormalMapped && !parts().any(|part| part.normal_mapped) {
+                continue;
+            }
+            any = true;
+            let range = block.first..block.first + block.count;
+            if let Some(slots) = tangents.get_mut(range.clone()) {
+                slots.copy_from_slice(own);
+            }
+            if let (Some(slots), Some(own)) = (uvs.get_mut(range), block.tangent_uvs()) {
+                slots.copy_from_slice(own);
+            }
+            let of = |part: &wirework_asset::Part| {
+                rest.triangles.get(part.first_triangle..part.first_triangle + part.triangle_count)
+            };
+            triangles.extend(parts().filter_map(of).flatten());
+        }
+        if any {
+            let model = Tangents::new(&self.rest, &shading.now, &tangents, &uvs, &triangles)?;
+            shading.tangents = Some(Tangential { model, buffer: TangentsBuffer::default(), now: tangents });
+        }
+        Ok(self)
+    }
+
     /// Takes the present places of the points, at rest `points`, to the positions.
     pub(crate) fn place(&mut self, points: &[[f32; 3]], now: &[[f32; 3]]) {
         spread(&self.point_of, points, now, &self.rest, &mut self.positions);
     }
 
-    /// Lets the normals follow the positions.
+    /// Lets normals and tangents follow the positions.
     pub(crate) fn shade(&mut self) -> Result<(), NormalsError> {
-        match &mut self.shading {
-            Some(Shading { model, buffer, now }) => model.update_into(&self.positions, buffer, now),
+        let Some(Shading { model, buffer, now, tangents }) = &mut self.shading else { return Ok(()) };
+        model.update_into(&self.positions, buffer, now)?;
+        match tangents {
+            Some(tangents) => {
+                let Tangential { model, buffer, now: out } = tangents;
+                model.update_into(&self.positions, now, buffer, out)
+            }
             None => Ok(()),
         }
     }
@@ -71,6 +129,11 @@ impl Vertices {
     /// Present normals, where the vertices have any.
     pub(crate) fn normals(&self) -> Option<&[[f32; 3]]> {
         self.shading.as_ref().map(|shading| shading.now.as_slice())
+    }
+
+    /// Present tangents, where vertices have any that follow; those of the others are 0.
+    pub(crate) fn tangents(&self) -> Option<&[[f32; 3]]> {
+        self.shading.as_ref()?.tangents.as_ref().map(|tangents| tangents.now.as_slice())
     }
 }
 

@@ -38,7 +38,8 @@ fn an_animation_plays_the_closed_form() {
         let t = f64::from(frame) / 24.0;
         let shown = oracle::evaluate(&glb, Some("wirework"), t as f32);
         assert!(oracle::diagonal(&shown) > 2.8);
-        let [oracle::Shown { node: 0, primitive: 0, positions, normals: Some(normals) }] = shown.as_slice()
+        let [oracle::Shown { node: 0, primitive: 0, positions, normals: Some(normals), .. }] =
+            shown.as_slice()
         else {
             panic!("one primitive with normals")
         };

@@ -11,6 +11,7 @@ mod masks;
 mod place;
 mod real_files;
 mod render;
+mod tangents;
 
 #[path = "../../crates/asset/tests/oracle/mod.rs"]
 mod oracle;

@@ -33,7 +33,8 @@ fn a_character_waves_and_walks() {
     let rest = before.rest().unwrap();
     for (seconds, moves) in [(0.0, false), (0.5, true), (2.0, false)] {
         let shown = oracle::evaluate(&glb, Some("wirework"), seconds);
-        let [oracle::Shown { node: _, primitive: 0, positions, normals: Some(normals) }] = shown.as_slice()
+        let [oracle::Shown { node: _, primitive: 0, positions, normals: Some(normals), .. }] =
+            shown.as_slice()
         else {
             panic!("one primitive with normals")
         };

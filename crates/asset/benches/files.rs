@@ -113,8 +113,10 @@ fn animate(gltf: &mut Gltf, deltas: &[Vec<[f32; 3]>]) {
     for (k, pair) in deltas.chunks_exact(2).enumerate() {
         let position = gltf.append_deltas(&pair[0], true).expect("memory");
         let normal = Some(gltf.append_deltas(&pair[1], false).expect("memory"));
-        targets
-            .push(MeshTarget { name: format!("t{k}"), primitives: vec![MorphTarget { position, normal }] });
+        targets.push(MeshTarget {
+            name: format!("t{k}"),
+            primitives: vec![MorphTarget { position, normal, tangent: None }],
+        });
     }
     gltf.add_targets(0, &targets).expect("a mesh");
     let times: Vec<f32> = (0..TARGETS).map(|k| k as f32).collect();

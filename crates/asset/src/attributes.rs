@@ -7,7 +7,7 @@ use crate::json::Json;
 use crate::limits::Budget;
 
 /// The extension that lets positions and normals be small integers.
-const QUANTIZATION: &str = "KHR_mesh_quantization";
+pub(crate) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 /// Vertices in the space of their mesh.
 #[derive(Clone, Debug, Default)]
@@ -131,7 +131,7 @@ fn all_finite(values: &[f32]) -> bool {
 }
 
 /// Adds `weight` times a morph target; a target of weight 0 is not read.
-fn add(
+pub(crate) fn add(
     gltf: &Gltf,
     reference: Option<Json<'_>>,
     weight: f64,

@@ -40,6 +40,7 @@ mod select;
 mod skin;
 mod still;
 mod stroke;
+mod tangent;
 mod texture;
 mod track;
 mod uri;

@@ -14,6 +14,8 @@ pub struct MorphTarget {
     pub position: usize,
     /// What to add to the normals; only for a primitive with normals.
     pub normal: Option<usize>,
+    /// What to add to the tangents, whose handedness stays; only for a primitive with tangents.
+    pub tangent: Option<usize>,
 }
 
 /// A morph target for all primitives of a mesh.
@@ -209,10 +211,13 @@ impl Gltf {
 
 impl MorphTarget {
     fn to_json(self) -> Value {
-        match self.normal {
-            None => json!({ "POSITION": self.position }),
-            Some(normal) => json!({ "POSITION": self.position, "NORMAL": normal }),
+        let mut target = json!({ "POSITION": self.position });
+        for (key, accessor) in [("NORMAL", self.normal), ("TANGENT", self.tangent)] {
+            if let Some(accessor) = accessor {
+                target[key] = json!(accessor);
+            }
         }
+        target
     }
 }
 

@@ -17,6 +17,7 @@ use crate::json::Json;
 use crate::limits::{Budget, Of};
 use crate::primitive::Mode;
 use crate::skin::{Influences, Skin};
+use crate::tangent;
 use crate::way::{Way, double, place, single};
 
 /// Everything the scene of a document shows, as one set of vertices in world space.
@@ -49,10 +50,16 @@ pub struct Block {
     pub count: usize,
     /// Unit normals in world space, if the input has normals.
     pub normals: Option<Vec<[f32; 3]>>,
+    /// Unit tangents in world space without their handedness, if the input has them besides normals; 0 where one is 0.
+    pub tangents: Option<Vec<[f32; 3]>>,
     /// The first set of texture coordinates, if the input has one.
     pub uvs: Option<Vec<[f32; 2]>>,
+    /// The texture coordinates that the tangents belong to, where they are another set.
+    tangent_uvs: Option<Vec<[f32; 2]>>,
     /// Normals in the mesh's space, morphs applied.
     local_normals: Option<Vec<[f32; 3]>>,
+    /// Tangents in the mesh's space, morphs applied.
+    local_tangents: Option<Vec<[f32; 3]>>,
     frame: Frame,
 }
 
@@ -67,6 +74,8 @@ pub struct Part {
     pub primitive: usize,
     /// Its material, if it has one.
     pub material: Option<usize>,
+    /// Whether it has tangents, and a material that looks at them: one with a normal map, or with anisotropy.
+    pub normal_mapped: bool,
     /// What its vertices are joined to.
     pub mode: Mode,
     /// Its vertices: an index into [`Rest::blocks`].
@@ -96,6 +105,8 @@ pub struct LocalDeltas {
     pub positions: Vec<[f32; 3]>,
     /// What to add to each normal; none where the block has no normals.
     pub normals: Option<Vec<[f32; 3]>>,
+    /// What to add to each tangent, whose handedness stays; none where the block has no tangents.
+    pub tangents: Option<Vec<[f32; 3]>>,
     /// How many vertices should have moved but cannot, because their transform is singular.
     pub stuck: usize,
 }
@@ -181,6 +192,7 @@ impl Shown<'_> {
         let own = self.graph.nodes[self.node].weights.as_deref();
         let weights = default_weights(self.gltf, self.node, own, mesh, targets)?;
         let mut blocks: BTreeMap<Vec<(String, usize)>, usize> = BTreeMap::new();
+        let mut sets = BTreeMap::new();
         for (index, primitive) in primitives.items()?.enumerate() {
             let list = attributes::check(self.gltf, primitive)?;
             if !list.iter().any(|(key, _)| key == "POSITION") {
@@ -196,6 +208,16 @@ impl Shown<'_> {
                 rest.blocks.len() - 1
             };
             self.part(index, primitive, block, rest, budget)?;
+            let set = self.gltf.tangent_set(primitive).filter(|_| rest.blocks[block].tangents.is_some());
+            if let (Some(set), Some(part)) = (set, rest.parts.last_mut()) {
+                part.normal_mapped = true;
+                sets.entry(block).or_insert((set, primitive));
+            }
+        }
+        for (block, (set, primitive)) in sets.into_iter().filter(|(_, (set, _))| *set != 0) {
+            let warnings = &mut rest.warnings;
+            let uvs = attributes::texture_coordinates(self.gltf, primitive, set, budget, warnings)?;
+            rest.blocks[block].tangent_uvs = Some(uvs.unwrap_or_default());
         }
         Ok(())
     }
@@ -211,10 +233,12 @@ impl Shown<'_> {
         let mut local = Local::read(self.gltf, primitive, budget, &mut rest.warnings)?;
         local.morph(self.gltf, primitive, weights, budget)?;
         let uvs = attributes::texture_coordinates(self.gltf, primitive, 0, budget, &mut rest.warnings)?;
+        let local_tangents = tangent::read(self.gltf, primitive, weights, budget, &mut rest.warnings)?;
         let count = local.positions.len();
         budget.charge(Of::Vertices, count as u64, || primitive.place())?;
-        let bytes = count as u64 * if self.joints.is_some() { size_of::<Way>() as u64 + 36 } else { 36 };
-        budget.charge(Of::ExpandedBytes, bytes, || primitive.place())?;
+        let ways = if self.joints.is_some() { size_of::<Way>() as u64 } else { 0 };
+        let each = 36 + ways + if local_tangents.is_some() { 24 } else { 0 };
+        budget.charge(Of::ExpandedBytes, count as u64 * each, || primitive.place())?;
         let first = rest.positions.len();
         if u32::try_from(first.saturating_add(count)).is_err() {
             return Err(primitive
@@ -225,6 +249,9 @@ impl Shown<'_> {
         let mut normals = local.normals.clone();
         let world_normals = normals.as_deref_mut().unwrap_or_default();
         let frame = self.place(local.positions, world_normals, attributes, rest, budget)?;
+        let tangents = local_tangents.as_ref().map(|tangents| {
+            tangents.iter().enumerate().map(|(v, &t)| frame.way(v).tangent(double(t))).collect()
+        });
         if normals.is_none() && Mode::read(primitive)? as u8 >= Mode::Triangles as u8 {
             let message = "there are no normals; they are computed where they are needed";
             rest.warnings.push(Warning::new("normals-missing", attributes.place(), message));
@@ -235,8 +262,11 @@ impl Shown<'_> {
             first,
             count,
             normals,
+            tangents,
             uvs,
+            tangent_uvs: None,
             local_normals: local.normals,
+            local_tangents,
             frame,
         });
         Ok(())
@@ -315,6 +345,7 @@ impl Shown<'_> {
             mesh: self.mesh,
             primitive: index,
             material: material.map(|(index, _)| index),
+            normal_mapped: false,
             mode: Mode::read(primitive)?,
             block,
             first_triangle: rest.triangles.len(),
@@ -375,14 +406,16 @@ fn handedness(matrix: &DMat3) -> i64 {
 impl Rest {
     /// Takes the deformed state of the vertices of `block` back to the space of its mesh.
     ///
-    /// `positions` and `normals` are those of *all* vertices, as long as [`Rest::positions`], in world space. What
+    /// `positions`, `normals` and `tangents` are those of *all* vertices, as long as [`Rest::positions`], in world space. What
     /// equals the rest, bit for bit, gets deltas of exactly 0; elsewhere position + delta, taken through node or
-    /// skin, is the deformed position, and normal + delta, of length 1, points along the deformed normal.
-    pub fn to_local(
-        &self,
+    /// skin, is the deformed position, and normal + delta, of length 1, points along the deformed normal. So does tangent + delta
+    /// along the tangent; one that is 0 stays as it is.
+    pub fn to_local<'a>(
+        &'a self,
         block: usize,
         positions: &[[f32; 3]],
-        normals: Option<&[[f32; 3]]>,
+        normals: Option<&'a [[f32; 3]]>,
+        tangents: Option<&'a [[f32; 3]]>,
     ) -> LocalDeltas {
         let mut out = LocalDeltas::default();
         let Some(b) = self.blocks.get(block) else { return out };
@@ -391,24 +424,30 @@ impl Rest {
         else {
             return out;
         };
-        let given = normals.and_then(|normals| normals.get(range));
-        let normals = b.normals.as_ref().zip(b.local_normals.as_ref()).zip(given);
+        let given = |list: Option<&'a [[f32; 3]]>| list.and_then(|list| list.get(range.clone()));
+        let normals = Directions::new(b.normals.as_deref(), b.local_normals.as_deref(), given(normals));
+        let tangents = Directions::new(b.tangents.as_deref(), b.local_tangents.as_deref(), given(tangents));
         out.positions.reserve_exact(b.count);
-        out.normals = normals.map(|_| Vec::with_capacity(b.count));
+        let room = |_: &Directions<'_>| Vec::with_capacity(b.count);
+        out.normals = normals.as_ref().map(room);
+        out.tangents = tangents.as_ref().map(room);
         for (v, (p, q)) in rest.iter().zip(now).enumerate() {
             let delta = double(*q) - double(*p);
-            let turned = normals.and_then(|((rest, base), now)| {
-                (rest.get(v)? != now.get(v)?).then_some((*base.get(v)?, *now.get(v)?))
-            });
             let moves = delta != DVec3::ZERO;
-            let way = (moves || turned.is_some()).then(|| b.frame.way(v));
+            let [normal, tangent] = [&normals, &tangents].map(|list| list.as_ref().and_then(|d| d.turned(v)));
+            let way = (moves || normal.is_some() || tangent.is_some()).then(|| b.frame.way(v));
             let way = way.as_deref();
-            out.stuck += usize::from(moves && way.is_some_and(|way| way.inverse.is_none()));
-            let inverse = way.filter(|_| moves).and_then(|way| way.inverse);
-            out.positions.push(clean(single(inverse.map_or(DVec3::ZERO, |inverse| inverse * delta))));
-            if let Some(normals) = &mut out.normals {
-                let turned = turned.zip(way);
-                normals.push(turned.map_or([0.0; 3], |((base, now), way)| normal_delta(way, base, now)));
+            let inverse = way.and_then(|way| way.inverse);
+            out.stuck += usize::from(moves && inverse.is_none());
+            let local = inverse.filter(|_| moves).map_or(DVec3::ZERO, |inverse| inverse * delta);
+            out.positions.push(clean(single(local)));
+            // Normals go back by the transpose, what lies along the surface by the inverse.
+            if let Some(list) = &mut out.normals {
+                let back = way.filter(|_| inverse.is_some()).map(|way| way.transpose);
+                list.push(direction_delta(back, normal));
+            }
+            if let Some(list) = &mut out.tangents {
+                list.push(direction_delta(inverse, tangent));
             }
         }
         out
@@ -443,13 +482,42 @@ impl Rest {
     }
 }
 
-/// What to add to the normal `base` of a mesh so that it points to `now` in the world.
-fn normal_delta(way: &Way, base: [f32; 3], now: [f32; 3]) -> [f32; 3] {
-    let target = (way.transpose * double(now)).normalize_or_zero();
-    if way.inverse.is_none() || target == DVec3::ZERO {
-        return [0.0; 3];
+impl Block {
+    /// The texture coordinates that the tangents belong to: those of the first normal map, else the first set.
+    pub fn tangent_uvs(&self) -> Option<&[[f32; 2]]> {
+        let uvs = self.tangent_uvs.as_ref().or(self.uvs.as_ref());
+        uvs.map(Vec::as_slice).filter(|uvs| uvs.len() == self.count)
     }
-    clean(single(target - double(base)))
+}
+
+/// Unit directions of a block: at rest in the world, in the mesh, and now in the world.
+struct Directions<'a> {
+    rest: &'a [[f32; 3]],
+    base: &'a [[f32; 3]],
+    now: &'a [[f32; 3]],
+}
+
+impl<'a> Directions<'a> {
+    fn new(
+        rest: Option<&'a [[f32; 3]]>,
+        base: Option<&'a [[f32; 3]]>,
+        now: Option<&'a [[f32; 3]]>,
+    ) -> Option<Self> {
+        Some(Self { rest: rest?, base: base?, now: now? })
+    }
+
+    /// The direction of a vertex in the mesh, and now in the world; nothing where it is that of the rest.
+    fn turned(&self, v: usize) -> Option<[[f32; 3]; 2]> {
+        let now = *self.now.get(v)?;
+        (*self.rest.get(v)? != now).then_some([*self.base.get(v)?, now])
+    }
+}
+
+/// What to add to a direction of a mesh so that it points, in the world, where it is to; `back` takes one back, but for its length.
+fn direction_delta(back: Option<DMat3>, turned: Option<[[f32; 3]; 2]>) -> [f32; 3] {
+    let (Some(back), Some([base, now])) = (back, turned) else { return [0.0; 3] };
+    let target = (back * double(now)).normalize_or_zero();
+    if target == DVec3::ZERO { [0.0; 3] } else { clean(single(target - double(base))) }
 }
 
 /// Turns `−0` into `0` and what is not finite into 0, so that equal deltas have equal bits.

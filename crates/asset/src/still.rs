@@ -8,6 +8,7 @@ use crate::attributes::vectors;
 use crate::document::Gltf;
 use crate::edit::drop_compressed;
 use crate::error::AssetError;
+use crate::json::Json;
 use crate::limits::Budget;
 use crate::rest::{LocalDeltas, Rest};
 
@@ -19,15 +20,18 @@ impl Gltf {
     /// orders stay; what did not move keeps its accessors. Gives the number of vertices that should have moved but
     /// cannot, because their transform is singular.
     ///
-    /// `normals` is as long as `positions`; without it normals stay as they are.
+    /// `normals` and `tangents` are as long as `positions`; without them normals and tangents stay as they are. Tangents are
+    /// replaced whatever the material: those of the old geometry would be wrong, and right ones cost a viewer nothing. Their
+    /// handedness stays.
     pub fn set_still(
         &mut self,
         rest: &Rest,
         positions: &[[f32; 3]],
         normals: Option<&[[f32; 3]]>,
+        tangents: Option<&[[f32; 3]]>,
     ) -> Result<usize, AssetError> {
         let file = self.file.clone();
-        self.write_still(rest, positions, normals).map_err(|error| error.in_file(&file))
+        self.write_still(rest, positions, normals, tangents).map_err(|error| error.in_file(&file))
     }
 
     fn write_still(
@@ -35,9 +39,10 @@ impl Gltf {
         rest: &Rest,
         positions: &[[f32; 3]],
         normals: Option<&[[f32; 3]]>,
+        tangents: Option<&[[f32; 3]]>,
     ) -> Result<usize, AssetError> {
-        let deltas: Vec<LocalDeltas> =
-            (0..rest.blocks.len()).map(|block| rest.to_local(block, positions, normals)).collect();
+        let local = |block| rest.to_local(block, positions, normals, tangents);
+        let deltas: Vec<LocalDeltas> = (0..rest.blocks.len()).map(local).collect();
         let mut meshes: BTreeMap<usize, Vec<(usize, Change<'_>)>> = BTreeMap::new();
         for part in &rest.parts {
             let nodes = meshes.entry(part.mesh).or_default();
@@ -84,17 +89,20 @@ impl Gltf {
         let mut written: Vec<(usize, &LocalDeltas, usize)> = Vec::new();
         for (index, deltas) in change.iter().enumerate() {
             let Some(deltas) = deltas else { continue };
-            let bases = [("POSITION", Some(&deltas.positions)), ("NORMAL", deltas.normals.as_ref())];
-            for (key, values) in bases {
+            let all = [
+                ("POSITION", Some(&deltas.positions)),
+                ("NORMAL", deltas.normals.as_ref()),
+                ("TANGENT", deltas.tangents.as_ref()),
+            ];
+            for (key, values) in all {
                 let Some(values) = values else { continue };
-                let (base, base_index) = self.base(mesh, index, key)?;
-                let known = written.iter().find(|(of, known, _)| *of == base_index && *known == *deltas);
+                let base = self.base(mesh, index, key)?;
+                let known = written.iter().find(|(of, known, _)| *of == base && *known == *deltas);
                 let accessor = if let Some((_, _, accessor)) = known {
                     *accessor
                 } else {
-                    let sum: Vec<[f32; 3]> = base.iter().zip(values).map(|(b, d)| add(*b, *d)).collect();
-                    let accessor = self.append_vertices(&sum, key == "POSITION")?;
-                    written.push((base_index, deltas, accessor));
+                    let accessor = self.append_sum(base, key, values)?;
+                    written.push((base, deltas, accessor));
                     accessor
                 };
                 let primitive = self.primitives_mut(mesh)?.get_mut(index).and_then(Value::as_object_mut);
@@ -108,16 +116,29 @@ impl Gltf {
         Ok(())
     }
 
-    /// The values that a primitive has now, and the accessor they are in.
-    fn base(
-        &self,
-        mesh: usize,
-        primitive: usize,
-        key: &'static str,
-    ) -> Result<(Vec<[f32; 3]>, usize), AssetError> {
+    /// The accessor that a primitive has now.
+    fn base(&self, mesh: usize, primitive: usize, key: &'static str) -> Result<usize, AssetError> {
         let json = self.root().need("meshes")?.item(mesh)?.need("primitives")?.item(primitive)?;
-        let accessor = vectors(self, json.need("attributes")?.need(key)?)?;
-        Ok((accessor.floats::<3>(&mut Budget::new(&self.limits))?, accessor.index))
+        Ok(self.accessor(json.need("attributes")?.need(key)?)?.index)
+    }
+
+    /// Appends the values of an accessor with deltas added to the first three numbers of each.
+    fn append_sum(&mut self, base: usize, key: &str, deltas: &[[f32; 3]]) -> Result<usize, AssetError> {
+        let mut budget = Budget::new(&self.limits);
+        let index = json!(base);
+        let reference = Json::root(&index);
+        if key == "TANGENT" {
+            let values = self.accessor(reference)?.floats::<4>(&mut budget)?;
+            let sum = |(&[x, y, z, w], d): (&[f32; 4], &[f32; 3])| {
+                let [x, y, z] = add([x, y, z], *d);
+                [x, y, z, w]
+            };
+            let sums: Vec<[f32; 4]> = values.iter().zip(deltas).map(sum).collect();
+            return self.append_vertices(&sums, false);
+        }
+        let values = vectors(self, reference)?.floats::<3>(&mut budget)?;
+        let sums: Vec<[f32; 3]> = values.iter().zip(deltas).map(|(b, d)| add(*b, *d)).collect();
+        self.append_vertices(&sums, key == "POSITION")
     }
 }
 
@@ -125,7 +146,8 @@ impl LocalDeltas {
     /// Whether anything differs from the rest.
     pub fn moves(&self) -> bool {
         let still = |deltas: &Vec<[f32; 3]>| deltas.iter().all(|d| *d == [0.0; 3]);
-        !still(&self.positions) || !self.normals.as_ref().is_none_or(still)
+        let turned = [&self.normals, &self.tangents].into_iter().flatten();
+        !still(&self.positions) || !turned.into_iter().all(still)
     }
 }
 

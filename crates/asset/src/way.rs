@@ -16,6 +16,11 @@ impl Way {
         Self { inverse: inverse(matrix), transpose: matrix.matrix3.transpose() }
     }
 
+    /// A direction along the surface of the mesh, in the world.
+    pub(crate) fn tangent(&self, t: DVec3) -> [f32; 3] {
+        single((self.transpose.transpose() * t).normalize_or_zero())
+    }
+
     /// A normal of the mesh in the world.
     pub(crate) fn normal(&self, n: DVec3) -> [f32; 3] {
         let world = self.inverse.map_or(n, |inverse| inverse.transpose() * n);

@@ -261,7 +261,7 @@ fn deltas_are_added_after_morphs_and_before_skins() {
     let mut moved = rest.positions.clone();
     moved[5][0] += 0.5;
     let normals = vec![[1.0, 0.0, 0.0]; 6];
-    let deltas = [rest.to_local(0, &moved, Some(&normals))];
+    let deltas = [rest.to_local(0, &moved, Some(&normals), None)];
     let mut player = gltf.player(&rest, Some(0)).unwrap();
     let [positions, normals] = pose(&mut player, 1.0, Some(&deltas));
     // Vertex 5 is at (1.5, 1) from the joint, which turns by a right angle.

@@ -227,9 +227,9 @@ fn deltas_come_back_through_node_and_skin() {
     for p in &mut moved {
         p[0] += 1.0;
     }
-    let deltas = rest.to_local(0, &moved, None);
+    let deltas = rest.to_local(0, &moved, None, None);
     assert!(deltas.positions.iter().all(|d| close(*d, [0.5, 0.0, 0.0])), "{deltas:?}");
-    assert!(!rest.to_local(0, &rest.positions, rest.blocks[0].normals.as_deref()).moves());
+    assert!(!rest.to_local(0, &rest.positions, rest.blocks[0].normals.as_deref(), None).moves());
 }
 
 #[test]
@@ -238,9 +238,97 @@ fn a_singular_transform_lets_nothing_move() {
     let rest = doc.rest().unwrap();
     let mut moved = rest.positions.clone();
     moved[1][0] += 1.0;
-    let deltas = rest.to_local(0, &moved, None);
+    let deltas = rest.to_local(0, &moved, None, None);
     assert_eq!((deltas.stuck, deltas.moves()), (1, false));
     doc.json["nodes"][0]["scale"] = json!([1e-30, 1e-30, 1e-30]);
     let rest = doc.rest().unwrap();
-    assert!(rest.to_local(0, &[[1e-30; 3]; 3], None).moves(), "small is not singular");
+    assert!(rest.to_local(0, &[[1e-30; 3]; 3], None, None).moves(), "small is not singular");
+}
+
+/// [`skinned`] with tangents along x, and these materials.
+fn with_tangents(tangents: &[f32], materials: &serde_json::Value) -> Doc {
+    let mut doc = skinned([0.5, 0.5, 0.0, 0.0]);
+    let tangents = doc.floats("VEC4", tangents);
+    let primitive = &mut doc.json["meshes"][0]["primitives"][0];
+    primitive["attributes"]["TANGENT"] = json!(tangents);
+    primitive["material"] = json!(0);
+    doc.json["materials"] = materials.clone();
+    doc
+}
+
+const ALONG_X: [f32; 12] = [1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0];
+
+#[test]
+fn tangents_go_through_the_linear_part_and_back() {
+    let mut doc = with_tangents(&ALONG_X, &json!([{ "normalTexture": { "index": 0 } }]));
+    // A quarter turn about y: x becomes −z; and −3 times that.
+    let half = 0.5_f64.sqrt();
+    doc.json["nodes"][1]["rotation"] = json!([0, half, 0, half]);
+    doc.json["nodes"][1]["scale"] = json!([-3, 1, 1]);
+    let rest = doc.rest().unwrap();
+    let tangents = rest.blocks[0].tangents.clone().unwrap();
+    assert!(close(tangents[0], [0.0, 0.0, 1.0]) && close(tangents[1], [0.0, 0.0, 1.0]), "{tangents:?}");
+    assert_eq!(tangents[2], [0.0; 3], "none stays none");
+    assert!(rest.parts[0].normal_mapped);
+    assert_eq!(rest.to_local(0, &rest.positions, None, Some(&tangents)).tangents.unwrap(), [[0.0; 3]; 3]);
+    let slanted = [[0.0, half as f32, half as f32], tangents[1], tangents[2]];
+    let deltas = rest.to_local(0, &rest.positions, None, Some(&slanted));
+    // (0, 1, 1) in the world is (1/3, 1, 0) in the mesh.
+    let back = [1.0 / 10.0_f32.sqrt(), 3.0 / 10.0_f32.sqrt(), 0.0];
+    let found = deltas.tangents.as_ref().unwrap();
+    assert!(close(found[0], [back[0] - 1.0, back[1], 0.0]), "{found:?}");
+    assert!(deltas.moves() && found[1] == [0.0; 3] && found[2] == [0.0; 3]);
+}
+
+#[test]
+fn materials_that_look_at_tangents_are_known() {
+    let mapped = |material: serde_json::Value| {
+        with_tangents(&ALONG_X, &json!([material])).rest().unwrap().parts[0].normal_mapped
+    };
+    assert!(mapped(json!({ "normalTexture": { "index": 0 } })));
+    let coat = json!({ "KHR_materials_clearcoat": { "clearcoatNormalTexture": { "index": 0 } } });
+    assert!(mapped(json!({ "extensions": coat })));
+    assert!(mapped(json!({ "extensions": { "KHR_materials_anisotropy": {} } })), "brushed along them");
+    assert!(!mapped(json!({ "occlusionTexture": { "index": 0 }, "extensions": { "X": {} } })));
+    for broken in [json!(null), json!([]), json!({ "extensions": 3 })] {
+        assert!(!mapped(broken));
+    }
+    let mut doc = with_tangents(&ALONG_X, &json!([{}, { "normalTexture": { "index": 0 } }]));
+    let variants = json!({ "mappings": [{ "variants": [0], "material": 1 }] });
+    doc.json["meshes"][0]["primitives"][0]["extensions"] = json!({ "KHR_materials_variants": variants });
+    assert!(doc.rest().unwrap().parts[0].normal_mapped, "one of its variants does");
+}
+
+#[test]
+fn the_coordinates_of_the_normal_map_count() {
+    let info = json!({ "index": 0, "texCoord": 1 });
+    let mut doc = with_tangents(&ALONG_X, &json!([{ "normalTexture": info }]));
+    let sets = [0.0, 1.0, 2.0].map(|set| doc.floats("VEC2", &[set; 6]));
+    for (k, set) in sets.into_iter().enumerate() {
+        doc.json["meshes"][0]["primitives"][0]["attributes"][format!("TEXCOORD_{k}")] = json!(set);
+    }
+    let found = |doc: &Doc| doc.rest().unwrap().blocks[0].tangent_uvs().map(|uvs| uvs[0][0]);
+    assert_eq!(found(&doc), Some(1.0));
+    let transform = json!({ "KHR_texture_transform": { "texCoord": 2, "rotation": 1 } });
+    doc.json["materials"][0]["normalTexture"]["extensions"] = transform;
+    assert_eq!(found(&doc), Some(2.0), "the extension's set counts, its transform does not");
+    doc.json["materials"][0]["normalTexture"] = json!({ "index": 0, "texCoord": 7 });
+    assert_eq!(found(&doc), None);
+    doc.json["materials"][0] = json!({});
+    assert_eq!(found(&doc), Some(0.0));
+}
+
+#[test]
+fn tangents_that_are_none_are_left_with_a_warning() {
+    let mut endless = ALONG_X;
+    endless[5] = f32::NAN;
+    let map = json!([{ "normalTexture": { "index": 0 } }]);
+    let rest = with_tangents(&endless, &map).rest().unwrap();
+    assert!(rest.blocks[0].tangents.is_none() && !rest.parts[0].normal_mapped);
+    assert!(rest.warnings.iter().any(|warning| warning.code == "tangents"), "{:?}", rest.warnings);
+    let mut doc = with_tangents(&ALONG_X, &map);
+    doc.json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
+    let rest = doc.rest().unwrap();
+    assert!(rest.blocks[0].tangents.is_none(), "without normals the standard has them ignored");
+    assert!(rest.warnings.iter().all(|warning| warning.code != "tangents"));
 }

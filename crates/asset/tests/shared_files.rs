@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use wirework_asset::{AssetError, Block, ErrorClass, Gltf, Limits, Obj, Rest};
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod oracle;
 
 /// How far rest positions may be from another evaluation, in parts of the diagonal.

@@ -34,7 +34,7 @@ fn a_still_is_the_deformed_state() {
     let rest = gltf.rest().unwrap();
     let wanted = lifted(&rest, |i| i != 0);
     let normals = vec![[1.0, 0.0, 0.0]; 3];
-    assert_eq!(gltf.set_still(&rest, &wanted, Some(&normals)).unwrap(), 0);
+    assert_eq!(gltf.set_still(&rest, &wanted, Some(&normals), None).unwrap(), 0);
     check(&gltf, &wanted);
     let again = gltf.rest().unwrap();
     assert!(again.warnings.is_empty(), "{:?}", again.warnings);
@@ -53,7 +53,7 @@ fn a_node_that_does_not_move_keeps_the_mesh() {
     let mut gltf = doc.open().unwrap();
     let rest = gltf.rest().unwrap();
     let wanted = lifted(&rest, |i| i >= 3);
-    gltf.set_still(&rest, &wanted, None).unwrap();
+    gltf.set_still(&rest, &wanted, None, None).unwrap();
     check(&gltf, &wanted);
     let mesh = |node: usize| gltf.json()["nodes"][node]["mesh"].as_u64().unwrap();
     assert_eq!((mesh(0), mesh(1), mesh(2)), (0, 1, 1));
@@ -90,7 +90,7 @@ fn both_formats_hold_the_same_scene() {
     let mut gltf = doc.open().unwrap();
     let rest = gltf.rest().unwrap();
     let wanted = lifted(&rest, |_| true);
-    gltf.set_still(&rest, &wanted, None).unwrap();
+    gltf.set_still(&rest, &wanted, None, None).unwrap();
     // GLB to glTF, and that to a GLB and to a glTF in another folder.
     let first = folder.path().join("a b.gltf");
     write_files(&gltf.files(&first, Format::of(&first).unwrap()).unwrap()).unwrap();
@@ -102,7 +102,7 @@ fn both_formats_hold_the_same_scene() {
     assert_eq!(Gltf::read(&glb, &Limits::default()).unwrap().rest().unwrap().positions, wanted);
     let mut gltf = gltf;
     let rest = gltf.rest().unwrap();
-    gltf.set_still(&rest, &lifted(&rest, |_| true), None).unwrap();
+    gltf.set_still(&rest, &lifted(&rest, |_| true), None, None).unwrap();
     let second = folder.path().join("sub/d.gltf");
     std::fs::create_dir(second.parent().unwrap()).unwrap();
     write_files(&gltf.files(&second, Format::Gltf).unwrap()).unwrap();

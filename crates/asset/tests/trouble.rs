@@ -79,12 +79,12 @@ fn use_it(glb: &[u8]) -> bool {
     }
     let moved: Vec<[f32; 3]> = rest.positions.iter().map(|p| [p[0], p[1] + 1.0, p[2]]).collect();
     let mut still = gltf.clone();
-    let _ = still.set_still(&rest, &moved, None);
+    let _ = still.set_still(&rest, &moved, None, None);
     let _ = still.to_glb();
     for part in &rest.parts {
-        let deltas = rest.to_local(part.block, &moved, None);
+        let deltas = rest.to_local(part.block, &moved, None, None);
         let Ok(position) = gltf.append_deltas(&deltas.positions, true) else { continue };
-        let target = wirework_asset::MorphTarget { position, normal: None };
+        let target = wirework_asset::MorphTarget { position, normal: None, tangent: None };
         let target = wirework_asset::MeshTarget { name: "a".into(), primitives: vec![target] };
         let _ = gltf.add_targets_by_node(part.mesh, &[(part.node, &[target])]);
         let _ = gltf.default_weights(part.node);

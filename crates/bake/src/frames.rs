@@ -1,9 +1,11 @@
 //! One morph target a frame, played one after the other by weights of 1 and 0, linear in between.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use thiserror::Error;
-use wirework_asset::{AssetError, Clip, Gltf, MeshTarget, MorphTarget, Rest, WeightTrack, printable};
+use wirework_asset::{
+    AssetError, Clip, Gltf, LocalDeltas, MeshTarget, MorphTarget, Rest, WeightTrack, printable,
+};
 
 /// How frames become morph targets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -102,6 +104,8 @@ pub struct Baked {
 pub struct Baker<'a> {
     gltf: Gltf,
     rest: &'a Rest,
+    /// The blocks with a primitive that has tangents for a normal map.
+    mapped: BTreeSet<usize>,
     settings: Settings,
     times: Vec<f32>,
     nodes: Vec<NodeTrack>,
@@ -115,8 +119,8 @@ struct NodeTrack {
     mesh: usize,
     /// How many targets the mesh has of its own.
     own: usize,
-    /// For each primitive its block of vertices.
-    blocks: Vec<usize>,
+    /// For each primitive its block of vertices, and whether its targets have tangents.
+    blocks: Vec<(usize, bool)>,
     targets: Vec<MeshTarget>,
     /// Which target has this content.
     known: BTreeMap<Vec<MorphTarget>, usize>,
@@ -150,38 +154,47 @@ impl<'a> Baker<'a> {
                 });
             }
             if let Some(track) = nodes.last_mut() {
-                track.blocks.push(part.block);
+                track.blocks.push((part.block, part.normal_mapped));
             }
         }
-        Self { gltf, rest, settings, times: Vec::new(), nodes, stuck: 0 }
+        let mapped = rest.parts.iter().filter(|part| part.normal_mapped).map(|part| part.block).collect();
+        Self { gltf, rest, mapped, settings, times: Vec::new(), nodes, stuck: 0 }
     }
 
-    /// Takes the next frame: its time in seconds, and positions and normals of all vertices in world space, as long
+    /// Takes the next frame: its time in seconds, and positions, normals and tangents of all vertices in world space, as long
     /// as [`Rest::positions`]. A normal matters only where the input has normals; what equals [`Block::normals`],
-    /// bit for bit, stays as it is.
+    /// bit for bit, stays as it is. So with tangents, which only primitives that are [normal mapped] get: no other material
+    /// looks at them, and each target would make every frame of an engine dearer.
     ///
     /// [`Block::normals`]: wirework_asset::Block::normals
+    /// [normal mapped]: wirework_asset::Part::normal_mapped
     pub fn push(
         &mut self,
         time: f64,
         positions: &[[f32; 3]],
         normals: Option<&[[f32; 3]]>,
+        tangents: Option<&[[f32; 3]]>,
     ) -> Result<(), BakeError> {
-        self.check(time, positions, normals)?;
+        self.check(time, positions, [normals, tangents])?;
         let mut stuck = 0;
         let mut moved = Vec::with_capacity(self.rest.blocks.len());
         for block in 0..self.rest.blocks.len() {
-            moved.push(self.block(block, positions, normals, &mut stuck)?);
+            let tangents = tangents.filter(|_| self.mapped.contains(&block));
+            let deltas = self.rest.to_local(block, positions, normals, tangents);
+            stuck += deltas.stuck;
+            moved.push(self.block(block, &deltas)?);
         }
         for index in 0..self.nodes.len() {
             let blocks = self.nodes[index].blocks.clone();
-            let content: Vec<_> = blocks.iter().map(|&block| moved.get(block).copied().flatten()).collect();
+            let content: Vec<_> =
+                blocks.iter().map(|&(block, _)| moved.get(block).copied().flatten()).collect();
             let target = if content.iter().all(Option::is_none) {
                 None
             } else {
                 let mut filled = Vec::with_capacity(blocks.len());
-                for (&block, target) in blocks.iter().zip(content) {
-                    filled.push(target.map_or_else(|| self.zero(block), Ok)?);
+                for (&(block, mapped), target) in blocks.iter().zip(content) {
+                    let target = target.map_or_else(|| self.write(block, &LocalDeltas::default()), Ok)?;
+                    filled.push(MorphTarget { tangent: target.tangent.filter(|_| mapped), ..target });
                 }
                 Some(self.target(index, filled, time)?)
             };
@@ -196,10 +209,10 @@ impl<'a> Baker<'a> {
         &self,
         time: f64,
         positions: &[[f32; 3]],
-        normals: Option<&[[f32; 3]]>,
+        directions: [Option<&[[f32; 3]]>; 2],
     ) -> Result<(), BakeError> {
         let (frame, expected) = (self.times.len(), self.rest.positions.len());
-        for found in [Some(positions.len()), normals.map(<[_]>::len)].into_iter().flatten() {
+        for found in [Some(positions), directions[0], directions[1]].into_iter().flatten().map(<[_]>::len) {
             if found != expected {
                 return Err(BakeError::VertexCount { frame, found, expected });
             }
@@ -210,44 +223,31 @@ impl<'a> Baker<'a> {
             return fault("does not come after the one before it, or before second 0");
         }
         let finite = |v: &[f32; 3]| v.iter().all(|c| c.is_finite());
-        if !positions.iter().chain(normals.unwrap_or(&[])).all(finite) {
+        if !directions.into_iter().flatten().flatten().chain(positions).all(finite) {
             return fault("has a vertex that is not finite");
         }
         Ok(())
     }
 
     /// The displacements of a block, written; none where nothing moves.
-    fn block(
-        &mut self,
-        block: usize,
-        positions: &[[f32; 3]],
-        normals: Option<&[[f32; 3]]>,
-        stuck: &mut usize,
-    ) -> Result<Option<MorphTarget>, BakeError> {
-        let deltas = self.rest.to_local(block, positions, normals);
-        *stuck += deltas.stuck;
-        if !deltas.moves() {
-            return Ok(None);
-        }
-        let position = self.gltf.append_deltas(&deltas.positions, true)?;
-        let normal = deltas.normals.map(|normals| self.gltf.append_deltas(&normals, false)).transpose()?;
-        Ok(Some(MorphTarget { position, normal: self.with_normal(block, normal)? }))
+    fn block(&mut self, block: usize, deltas: &LocalDeltas) -> Result<Option<MorphTarget>, BakeError> {
+        if deltas.moves() { self.write(block, deltas).map(Some) } else { Ok(None) }
     }
 
-    /// The target of a block that does not move.
-    fn zero(&mut self, block: usize) -> Result<MorphTarget, BakeError> {
-        let count = self.rest.blocks.get(block).map_or(0, |block| block.count);
-        let position = self.gltf.append_deltas(&vec![[0.0; 3]; count], true)?;
-        Ok(MorphTarget { position, normal: self.with_normal(block, None)? })
-    }
-
-    /// The normals of a target: zeros where the primitive has normals and the frame none.
-    fn with_normal(&mut self, block: usize, normal: Option<usize>) -> Result<Option<usize>, BakeError> {
-        let block = self.rest.blocks.get(block);
-        match (normal, block.filter(|block| block.normals.is_some())) {
-            (None, Some(block)) => Ok(Some(self.gltf.append_deltas(&vec![[0.0; 3]; block.count], false)?)),
-            _ => Ok(normal),
-        }
+    /// The target of a block: zeros for what the block has and `deltas` have not, as each target of a primitive has the same
+    /// attributes.
+    fn write(&mut self, block: usize, deltas: &LocalDeltas) -> Result<MorphTarget, BakeError> {
+        let (count, normals) =
+            self.rest.blocks.get(block).map_or((0, false), |block| (block.count, block.normals.is_some()));
+        let mapped = self.mapped.contains(&block);
+        let mut append = |own: Option<&Vec<[f32; 3]>>, with_bounds| match own {
+            Some(own) => self.gltf.append_deltas(own, with_bounds),
+            None => self.gltf.append_deltas(&vec![[0.0; 3]; count], with_bounds),
+        };
+        let position = append(Some(&deltas.positions).filter(|own| !own.is_empty()), true)?;
+        let normal = normals.then(|| append(deltas.normals.as_ref(), false)).transpose()?;
+        let tangent = mapped.then(|| append(deltas.tangents.as_ref(), false)).transpose()?;
+        Ok(MorphTarget { position, normal, tangent })
     }
 
     /// The target of a node with this content: a new one, unless an earlier frame was the same.

@@ -102,7 +102,7 @@ fn animated() -> Gltf {
     let mut gltf = instances();
     let targets = |position| wirework_asset::MeshTarget {
         name: "own".into(),
-        primitives: vec![wirework_asset::MorphTarget { position, normal: None }],
+        primitives: vec![wirework_asset::MorphTarget { position, normal: None, tangent: None }],
     };
     let position = gltf.append_deltas(&[[0.0, 0.0, 1.0]; 4], true).unwrap();
     gltf.add_targets(0, &[targets(position), targets(position)]).unwrap();

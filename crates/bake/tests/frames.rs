@@ -11,6 +11,7 @@ mod common;
 use common::{ASSETS, PHASES, baked, bump, instances, shared};
 
 #[path = "../../asset/tests/oracle/mod.rs"]
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod oracle;
 
 /// How far played positions may be from the frame, in parts of the diagonal.
@@ -97,8 +98,8 @@ fn equal_frames_share_a_target_and_rest_frames_have_none() {
     let before = gltf.to_glb().unwrap();
     let mut baker = Baker::new(gltf, &rest, Settings::default());
     let (positions, normals) = bump(&rest, 0.0);
-    baker.push(0.0, &positions, Some(&normals)).unwrap();
-    baker.push(1.0, &positions, Some(&normals)).unwrap();
+    baker.push(0.0, &positions, Some(&normals), None).unwrap();
+    baker.push(1.0, &positions, Some(&normals), None).unwrap();
     let out = baker.finish().unwrap();
     assert_eq!((out.targets, out.nodes), (0, 0));
     assert_eq!(out.gltf.to_glb().unwrap(), before, "nothing moves, nothing changes");
@@ -113,7 +114,7 @@ fn a_budget_of_targets_says_what_fits() {
     let mut result = Ok(());
     for k in 0..4 {
         let (positions, _) = bump(&rest, f64::from(k) / 4.0);
-        result = result.and_then(|()| baker.push(f64::from(k), &positions, None));
+        result = result.and_then(|()| baker.push(f64::from(k), &positions, None, None));
     }
     match result.unwrap_err() {
         BakeError::TooManyTargets { fit, frame, .. } => assert_eq!((fit, frame), (2, 3)),
@@ -128,7 +129,7 @@ fn a_mesh_with_too_many_targets_of_its_own_is_baked_all_the_same() {
         let mut baker = Baker::new(gltf, &rest, Settings { max_targets, ..Settings::default() });
         for k in 0..3 {
             let (positions, _) = bump(&rest, 1.0 + f64::from(k));
-            baker.push(f64::from(k), &positions, None)?;
+            baker.push(f64::from(k), &positions, None, None)?;
         }
         baker.finish()
     };
@@ -146,11 +147,14 @@ fn bad_frames_are_refused() {
     let rest = gltf.rest().unwrap();
     let mut baker = Baker::new(gltf, &rest, Settings::default());
     let n = rest.positions.len();
-    assert!(matches!(baker.push(0.0, &vec![[0.0; 3]; n - 1], None), Err(BakeError::VertexCount { .. })));
-    assert!(matches!(baker.push(0.0, &vec![[f32::NAN; 3]; n], None), Err(BakeError::Frame { .. })));
-    assert!(matches!(baker.push(-1.0, &rest.positions, None), Err(BakeError::Frame { .. })));
-    baker.push(1.0, &rest.positions, None).unwrap();
-    assert!(matches!(baker.push(1.0, &rest.positions, None), Err(BakeError::Frame { .. })));
+    assert!(matches!(
+        baker.push(0.0, &vec![[0.0; 3]; n - 1], None, None),
+        Err(BakeError::VertexCount { .. })
+    ));
+    assert!(matches!(baker.push(0.0, &vec![[f32::NAN; 3]; n], None, None), Err(BakeError::Frame { .. })));
+    assert!(matches!(baker.push(-1.0, &rest.positions, None, None), Err(BakeError::Frame { .. })));
+    baker.push(1.0, &rest.positions, None, None).unwrap();
+    assert!(matches!(baker.push(1.0, &rest.positions, None, None), Err(BakeError::Frame { .. })));
 }
 
 #[test]
@@ -171,6 +175,6 @@ fn a_second_effect_goes_behind_the_first() {
     let gltf = Gltf::from_slice(&first, "first", &Limits::default()).unwrap();
     let mut baker = Baker::new(gltf, &again, settings);
     let (positions, normals) = bump(&again, 1.0);
-    baker.push(0.0, &positions, Some(&normals)).unwrap();
+    baker.push(0.0, &positions, Some(&normals), None).unwrap();
     assert!(matches!(baker.finish(), Err(BakeError::Asset(_))), "a clip holds one weight track a node");
 }

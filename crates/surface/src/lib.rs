@@ -1,5 +1,5 @@
 //! Meshes for wires: polygon meshes and the primitives that make them, B-spline patches, vertices as a renderer
-//! wants them, normals that follow a deformation, the nearest point of a surface.
+//! wants them, normals and tangents that follow a deformation, the nearest point of a surface.
 //!
 //! ```
 //! use wirework_surface::{Nearest, Normals, NormalsBuffer, VertexMesh, tube};
@@ -24,6 +24,7 @@ mod normals;
 mod patch;
 mod primitives;
 mod smooth;
+mod tangents;
 mod transform;
 mod triangulate;
 mod vector;
@@ -36,5 +37,6 @@ pub use normals::{Normals, NormalsBuffer, NormalsError};
 pub use patch::{Patch, PatchError, Tessellation};
 pub use primitives::{MAX_VERTICES, PrimitiveError, cuboid, grid, sphere, tube};
 pub use smooth::smooth_normals;
+pub use tangents::{Tangents, TangentsBuffer};
 pub use transform::{Transform, TransformError};
 pub use vertex_mesh::VertexMesh;

@@ -23,7 +23,7 @@ use crate::smooth::angles;
 use crate::vector::wide;
 
 /// Items a task takes at a time. Smaller spreads better, larger costs less; results do not depend on it.
-const CHUNK: usize = 4096;
+pub(crate) const CHUNK: usize = 4096;
 
 /// Where the cosine between the two computed normals is below this the rotation is found in f64: in f32 the formula
 /// divides two numbers that have cancelled.
@@ -61,14 +61,14 @@ pub struct NormalsBuffer {
     groups: Vec<[f32; 3]>,
 }
 
-/// Why normals cannot be set up or updated.
+/// Why normals or tangents cannot be set up or updated.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum NormalsError {
     /// A list has another length than there are vertices.
     #[error("{vertices} vertices need as many {what}, not {found}")]
     Length {
-        /// `"normals"` or `"positions"`.
+        /// `"positions"`, `"normals"`, `"tangents"` or `"texture coordinates"`.
         what: &'static str,
         /// Vertices of the model.
         vertices: usize,
@@ -99,11 +99,7 @@ impl Normals {
     ) -> Result<Self, NormalsError> {
         let vertices = positions.len();
         check_length("normals", vertices, normals.len())?;
-        for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
-                return Err(NormalsError::Index { triangle, vertex, vertices });
-            }
-        }
+        check_indices(vertices, triangles)?;
         let (group, groups) = group(positions, normals);
         let (fan_starts, fans) = fans(positions, triangles, &group, groups);
         let mut model = Self {
@@ -162,8 +158,17 @@ impl Normals {
     }
 }
 
-fn check_length(what: &'static str, vertices: usize, found: usize) -> Result<(), NormalsError> {
+pub(crate) fn check_length(what: &'static str, vertices: usize, found: usize) -> Result<(), NormalsError> {
     if vertices == found { Ok(()) } else { Err(NormalsError::Length { what, vertices, found }) }
+}
+
+pub(crate) fn check_indices(vertices: usize, triangles: &[[u32; 3]]) -> Result<(), NormalsError> {
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
+            return Err(NormalsError::Index { triangle, vertex, vertices });
+        }
+    }
+    Ok(())
 }
 
 /// A triangle's unit normal, zero where there is none. In f64 where f32 would cancel or leave its range.
@@ -220,7 +225,7 @@ fn fans(
 
 /// `normal` turned by the least rotation from the unit vector `from` to the unit vector `to`; unchanged where either
 /// is zero. Opposite directions: half a turn about a fixed perpendicular.
-fn turn(normal: [f32; 3], from: [f32; 3], to: [f32; 3]) -> [f32; 3] {
+pub(crate) fn turn(normal: [f32; 3], from: [f32; 3], to: [f32; 3]) -> [f32; 3] {
     if from == to || from == [0.0; 3] || to == [0.0; 3] {
         return normal;
     }

@@ -98,7 +98,7 @@ impl<'a> Show<'a> {
             return Ok(());
         };
         let moved = self.motion.is_some() && !before;
-        let local = |block| rest.to_local(block, &self.vertices.positions, normals);
+        let local = |block| rest.to_local(block, &self.vertices.positions, normals, None);
         let deltas: Option<Vec<LocalDeltas>> = moved.then(|| (0..rest.blocks.len()).map(local).collect());
         player.pose_into(seconds, deltas.as_deref(), &mut self.positions, &mut self.normals)?;
         if normals.is_none() {

@@ -11,6 +11,7 @@ pub(crate) struct Shown {
     pub(crate) primitive: usize,
     pub(crate) positions: Vec<DVec3>,
     pub(crate) normals: Option<Vec<DVec3>>,
+    pub(crate) tangents: Option<Vec<DVec3>>,
 }
 
 /// Evaluates the default scene of a GLB, with the weights of the clip of that name at `seconds` if one is named.
@@ -74,11 +75,16 @@ fn show(
     let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
     let mut positions: Vec<DVec3> = reader.read_positions().expect("positions").map(vector).collect();
     let mut normals: Option<Vec<DVec3>> = reader.read_normals().map(|n| n.map(vector).collect());
-    for ((p, n, _), &weight) in reader.read_morph_targets().zip(weights) {
+    let mut tangents: Option<Vec<DVec3>> =
+        reader.read_tangents().map(|t| t.map(|[x, y, z, _]| vector([x, y, z])).collect());
+    for ((p, n, t), &weight) in reader.read_morph_targets().zip(weights) {
         for (v, d) in positions.iter_mut().zip(p.into_iter().flatten()) {
             *v += f64::from(weight) * vector(d);
         }
         for (v, d) in normals.iter_mut().flatten().zip(n.into_iter().flatten()) {
+            *v += f64::from(weight) * vector(d);
+        }
+        for (v, d) in tangents.iter_mut().flatten().zip(t.into_iter().flatten()) {
             *v += f64::from(weight) * vector(d);
         }
     }
@@ -93,7 +99,10 @@ fn show(
         let m = m.inverse().transpose();
         *n = (m * n.extend(0.0)).truncate().normalize();
     }
-    Shown { node: node.index(), primitive: primitive.index(), positions, normals }
+    for (t, m) in tangents.iter_mut().flatten().zip(&matrices) {
+        *t = (*m * t.extend(0.0)).truncate().normalize();
+    }
+    Shown { node: node.index(), primitive: primitive.index(), positions, normals, tangents }
 }
 
 fn skinned<'a, 's, F>(

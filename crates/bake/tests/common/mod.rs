@@ -60,7 +60,7 @@ pub(crate) fn baked(gltf: Gltf, rest: &Rest) -> Baked {
     let mut baker = Baker::new(gltf, rest, Settings::default());
     for (k, phase) in PHASES.iter().enumerate() {
         let (positions, normals) = bump(rest, *phase);
-        baker.push(k as f64 / 24.0, &positions, Some(&normals)).unwrap();
+        baker.push(k as f64 / 24.0, &positions, Some(&normals), None).unwrap();
     }
     baker.finish().unwrap()
 }

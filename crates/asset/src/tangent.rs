@@ -1,0 +1,92 @@
+//! Tangents: which materials look at them, how they are read, and the way back to the space of their mesh.
+
+use serde_json::{Map, Value};
+
+use crate::accessor::{Accessor, Component};
+use crate::attributes::{QUANTIZATION, add};
+use crate::document::Gltf;
+use crate::edit::whole;
+use crate::error::{AssetError, Warning};
+use crate::json::Json;
+use crate::limits::Budget;
+
+/// Its direction is relative to the tangents, with or without a texture.
+const ANISOTROPY: &str = "KHR_materials_anisotropy";
+
+impl Gltf {
+    /// The set of texture coordinates whose tangents the materials of a primitive look at: those of the first normal map.
+    /// None where no material looks at tangents.
+    ///
+    /// A material that `KHR_materials_variants` offers counts as one of its own does: a viewer may choose it. A malformed one is
+    /// none: materials are not what an effect reads.
+    pub(crate) fn tangent_set(&self, primitive: Json<'_>) -> Option<usize> {
+        let primitive = primitive.value();
+        let mappings = primitive.pointer("/extensions/KHR_materials_variants/mappings");
+        let offered = mappings.and_then(Value::as_array).into_iter().flatten();
+        let materials = std::iter::once(primitive).chain(offered).filter_map(|holder| holder.get("material"));
+        let materials = materials.filter_map(|material| self.list("materials").get(whole(material)?));
+        materials.filter_map(set_of).next()
+    }
+}
+
+/// The set of texture coordinates of the first normal map of a material: its own, else that of an extension.
+fn set_of(material: &Value) -> Option<usize> {
+    if let Some(set) = material.as_object().and_then(normal_map) {
+        return Some(set);
+    }
+    let extensions = material.get("extensions")?.as_object()?;
+    let map = extensions.values().filter_map(Value::as_object).find_map(normal_map);
+    let brushed = || {
+        let texture = extensions.get(ANISOTROPY)?.get("anisotropyTexture");
+        Some(texture.map_or(0, texture_set))
+    };
+    map.or_else(brushed)
+}
+
+/// The set of a member such as `normalTexture` or `clearcoatNormalTexture`.
+fn normal_map(holder: &Map<String, Value>) -> Option<usize> {
+    let is_map = |key: &str| key == "normalTexture" || key.ends_with("NormalTexture");
+    holder.iter().find(|(key, _)| is_map(key)).map(|(_, info)| texture_set(info))
+}
+
+fn texture_set(info: &Value) -> usize {
+    let moved = info.pointer("/extensions/KHR_texture_transform/texCoord");
+    moved.or_else(|| info.get("texCoord")).and_then(whole).unwrap_or(0)
+}
+
+/// The tangents of a primitive in the space of its mesh, without handedness, its morph targets added, each times its weight.
+///
+/// None without normals, for the standard then has tangents ignored, and, with a warning, where they are not what the standard
+/// asks for: a file whose tangents nobody looks at is not refused for them.
+pub(crate) fn read(
+    gltf: &Gltf,
+    primitive: Json<'_>,
+    weights: &[f64],
+    budget: &mut Budget,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<Vec<[f32; 3]>>, AssetError> {
+    let attributes = primitive.need("attributes")?;
+    let (Some(reference), Some(_)) = (attributes.get("TANGENT")?, attributes.get("NORMAL")?) else {
+        return Ok(None);
+    };
+    let accessor = gltf.accessor(reference)?;
+    let values = if fits(gltf, &accessor) { accessor.floats::<4>(budget)? } else { Vec::new() };
+    if values.len() != accessor.count || values.as_flattened().iter().any(|c| !c.is_finite()) {
+        let message = "the tangents are not four finite numbers a vertex; they are left as they are";
+        warnings.push(Warning::new("tangents", accessor.json.place(), message));
+        return Ok(None);
+    }
+    let mut tangents: Vec<[f32; 3]> = values.iter().map(|&[x, y, z, _]| [x, y, z]).collect();
+    if let Some(targets) = primitive.get("targets")? {
+        for (target, &weight) in targets.items()?.zip(weights) {
+            add(gltf, target.get("TANGENT")?, weight, Some(&mut tangents), budget)?;
+        }
+    }
+    Ok(Some(tangents))
+}
+
+fn fits(gltf: &Gltf, accessor: &Accessor<'_>) -> bool {
+    let float = accessor.component == Component::F32 && !accessor.normalized;
+    let small = !matches!(accessor.component, Component::F32 | Component::U32) && gltf.uses(QUANTIZATION);
+    accessor.lanes == 4 && (float || small)
+}
