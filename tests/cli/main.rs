@@ -3,11 +3,14 @@
 
 mod apply;
 mod commands;
+mod document;
 mod effects;
 mod exit_codes;
+mod hostile;
 mod inspect;
 mod made_files;
 mod masks;
+mod nothing_lost;
 mod place;
 mod real_files;
 mod render;
