@@ -12,8 +12,10 @@ mod made_files;
 mod masks;
 mod nothing_lost;
 mod place;
+mod player;
 mod real_files;
 mod render;
+mod storage;
 
 #[path = "../../crates/asset/tests/oracle/mod.rs"]
 mod oracle;
