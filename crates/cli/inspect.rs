@@ -17,7 +17,15 @@ pub(crate) fn run(console: Console, args: &Inspect) -> Result<(), Failure> {
         let facts = PresetFacts::of(&preset.parsed);
         return print(if args.json { json(&facts)? } else { preset_table(&facts) }.as_bytes());
     }
-    let facts = inspect_asset(&args.file, &args.limits.asset())?;
+    let facts = match inspect_asset(&args.file, &args.limits.asset()) {
+        Ok(facts) => facts,
+        Err(error) => {
+            if args.json {
+                print(json(&AssetFacts::of_refused(&error))?.as_bytes())?;
+            }
+            return Err(error.into());
+        }
+    };
     for warning in &facts.warnings {
         console.warn(warning);
     }

@@ -63,6 +63,14 @@ pub enum JobError {
     /// The effect does not fit the object.
     #[error("the effect cannot be applied: {0}")]
     Evaluate(#[from] EvaluateError),
+    /// The effect does not fit the object in a file.
+    #[error("{}: the effect cannot be applied: {error}", printable(.file))]
+    Unfit {
+        /// The file.
+        file: String,
+        /// Why.
+        error: EvaluateError,
+    },
     /// The effect does not fit the object that its own preset brings along.
     #[error("the effect does not fit the preset's object: {0}")]
     OwnObject(EvaluateError),
@@ -102,7 +110,7 @@ pub enum JobError {
     Encode(#[from] EncodeError),
     /// What is to be shown has no size, no area and no points.
     #[error(
-        "{}: there is nothing to see; expected a surface with an area, lines, or points that lie apart",
+        "{}: found nothing to see, expected a surface with an area, lines, or points that lie apart",
         printable(.file)
     )]
     NothingToSee {
@@ -131,7 +139,7 @@ impl JobError {
             | Self::Mesh(_)
             | Self::Strict(_)
             | Self::NothingToSee { own: false, .. } => Fault::Asset,
-            Self::Evaluate(error) => of_evaluation(error),
+            Self::Evaluate(error) | Self::Unfit { error, .. } => of_evaluation(error),
             Self::OwnObject(error) => match of_evaluation(error) {
                 Fault::Asset => Fault::Preset,
                 other => other,

@@ -90,13 +90,14 @@ impl Film<'_> {
             gltf = baker.finish()?.gltf;
             self.write += start.elapsed();
         }
-        let start = Instant::now();
-        let files = gltf.files(job.output.unwrap_or(Path::new("out.glb")), format)?;
-        self.write += start.elapsed();
         let warnings = gltf.warnings().iter().skip(known);
         let file = wirework_asset::printable(gltf.file());
         let warnings = warnings.map(|warning| format!("{file}: {warning}")).collect();
-        Ok(Product { files, warnings, clip: new_clip(&gltf, clips) })
+        let clip = new_clip(&gltf, clips);
+        let start = Instant::now();
+        let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
+        self.write += start.elapsed();
+        Ok(Product { files, warnings, clip })
     }
 
     pub(crate) fn obj(

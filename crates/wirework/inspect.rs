@@ -52,6 +52,15 @@ pub struct AssetFacts {
     pub extensions_required: Vec<String>,
     /// What is not right, and what is done about it.
     pub warnings: Vec<String>,
+    /// Why effects refuse it; nothing else is known then.
+    pub refused: Option<String>,
+}
+
+impl AssetFacts {
+    /// The facts of a file that [`inspect_asset`] refuses.
+    pub fn of_refused(error: &JobError) -> Self {
+        Self { refused: Some(error.to_string()), ..Self::default() }
+    }
 }
 
 /// A box.

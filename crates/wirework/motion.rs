@@ -4,7 +4,7 @@ use wirework_preset::{Effect, ObjectError};
 use wirework_surface::{Bounds, Tessellation};
 
 use crate::mask::Masks;
-use crate::subject::{Model, Subject, unfit};
+use crate::subject::{Model, Origin, Subject, unfit};
 use crate::{ControlNet, Evaluation, JobError};
 
 /// What an effect is bound to: the points of a subject at rest, taken out of it.
@@ -15,29 +15,28 @@ pub(crate) struct Basis {
     bounds: Option<Bounds>,
     /// A net whose control points the points are, and the positions of its surface.
     net: Option<(ControlNet, Vec<[f32; 3]>)>,
-    /// Whether the object is made of numbers in the preset.
-    pub(crate) own: bool,
+    pub(crate) origin: Origin,
 }
 
 impl Basis {
     /// Takes a subject apart: what effects are bound to, the model, and for each of its positions the point.
     pub(crate) fn of(subject: Subject) -> (Self, Model, Vec<u32>) {
         let bounds = subject.bounds();
-        let Subject { points, triangles, model, net, point_of, own } = subject;
+        let Subject { points, triangles, model, net, point_of, origin } = subject;
         let surface = match (&net, &model) {
             (Some(_), Model::Mesh { mesh, .. }) => mesh.positions.clone(),
             _ => Vec::new(),
         };
         let net = net.map(|net| (net, surface));
-        (Self { points, triangles, bounds, net, own }, model, point_of)
+        (Self { points, triangles, bounds, net, origin }, model, point_of)
     }
 
     /// Binds effects, with the masks of each.
     pub(crate) fn bind(&self, effects: &[Effect], masks: Masks) -> Result<Motion<'_>, JobError> {
-        let Self { points, triangles, bounds, net, own } = self;
+        let Self { points, triangles, bounds, net, origin } = self;
         let evaluation =
-            Evaluation::masked(effects, masks, points, triangles, *bounds).map_err(unfit(*own))?;
-        let motion = Motion { points, now: points.clone(), evaluation, net: None, own: *own };
+            Evaluation::masked(effects, masks, points, triangles, *bounds).map_err(unfit(origin))?;
+        let motion = Motion { points, now: points.clone(), evaluation, net: None, origin };
         let Some((net, surface)) = net else { return Ok(motion) };
         let controlled = Controlled { surface: net.surface()?, controls: points.clone() };
         Ok(Motion { points: surface, now: surface.clone(), net: Some(controlled), ..motion })
@@ -52,8 +51,7 @@ pub(crate) struct Motion<'a> {
     pub(crate) now: Vec<[f32; 3]>,
     pub(crate) evaluation: Evaluation<'a>,
     net: Option<Controlled<'a>>,
-    /// Whether the object is made of numbers in the preset.
-    own: bool,
+    origin: &'a Origin,
 }
 
 /// A surface whose control points the effect moves.
@@ -67,7 +65,7 @@ impl Motion<'_> {
     /// Works out where the points are at a moment.
     pub(crate) fn at(&mut self, seconds: f64) -> Result<(), JobError> {
         let moved = self.net.as_mut().map_or(&mut self.now, |net| &mut net.controls);
-        self.evaluation.at(seconds, moved).map_err(unfit(self.own))?;
+        self.evaluation.at(seconds, moved).map_err(unfit(self.origin))?;
         if let Some(point) = moved.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
             return Err(JobError::OutOfRange { point, seconds });
         }

@@ -25,8 +25,18 @@ pub struct Subject {
     pub net: Option<ControlNet>,
     /// For each position of the model its point; with a net its point of the surface.
     pub(crate) point_of: Vec<u32>,
-    /// Whether it is made of numbers in a preset.
-    pub(crate) own: bool,
+    pub(crate) origin: Origin,
+}
+
+/// Who answers for an object that an effect does not fit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// A preset, which makes it of numbers.
+    Preset,
+    /// A program, which hands it over.
+    Program,
+    /// A file, as messages name it.
+    File(String),
 }
 
 /// A model in the form that it came in.
@@ -126,13 +136,13 @@ impl Subject {
             limits.check_mesh(size.vertices, size.indices)?;
             let mut mesh = object.build()?.unwrap_or_default();
             let Some((net, controls)) = ControlNet::of(object)? else {
-                return Ok(Self { own: true, ..Self::from_mesh(name, mesh)? });
+                return Ok(Self { origin: Origin::Preset, ..Self::from_mesh(name, mesh)? });
             };
             // What does not move is to have the bits that evaluating it gives.
             net.evaluate_into(&controls.positions, &mut mesh.positions)?;
             let (triangles, points) = (controls.triangles()?, controls.positions);
             let subject = Self::from_mesh(name, mesh)?;
-            return Ok(Self { own: true, points, triangles, net: Some(net), ..subject });
+            return Ok(Self { origin: Origin::Preset, points, triangles, net: Some(net), ..subject });
         };
         let subject = Self::read(&path, limits)?;
         if object.transform == Transform::default() {
@@ -173,8 +183,9 @@ impl Subject {
         let rest = gltf.rest()?;
         let weld = Weld::new(&rest.positions);
         let triangles = weld.triangles(&rest.triangles);
+        let origin = Origin::File(gltf.file().to_owned());
         let model = Model::Gltf { gltf: Box::new(gltf), rest: Box::new(rest) };
-        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, own: false })
+        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, origin })
     }
 
     fn new(model: Model) -> Result<Self, JobError> {
@@ -185,14 +196,15 @@ impl Subject {
                 model,
                 point_of: Vec::new(),
                 net: None,
-                own: false,
+                origin: Origin::Program,
             });
         };
         let triangles = mesh.triangles()?;
         // Primitives list each position once; files may not.
         let weld = if obj.is_some() { Weld::new(&mesh.positions) } else { Weld::distinct(&mesh.positions) };
         let triangles = weld.triangles(&triangles);
-        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, own: false })
+        let origin = obj.as_ref().map_or(Origin::Program, |obj| Origin::File(obj.file().to_owned()));
+        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, origin })
     }
 
     /// Binds the effects of a preset to the points. Files that it names are relative to `preset_dir`.
@@ -229,7 +241,7 @@ impl Subject {
 
     fn bind_masked(&self, preset: &Preset, masks: Masks) -> Result<Evaluation<'_>, JobError> {
         Evaluation::masked(&preset.effects, masks, &self.points, &self.triangles, self.bounds())
-            .map_err(unfit(self.own))
+            .map_err(unfit(&self.origin))
     }
 
     /// The box round the model at rest, which `units: Bounds` are parts of; none without a finite position.
@@ -263,8 +275,12 @@ impl Subject {
 }
 
 /// Whose fault it is that an effect does not fit an object: the preset's, where it brings the object along.
-pub(crate) fn unfit(own: bool) -> impl Fn(EvaluateError) -> JobError {
-    move |error| if own { JobError::OwnObject(error) } else { JobError::Evaluate(error) }
+pub(crate) fn unfit(origin: &Origin) -> impl Fn(EvaluateError) -> JobError {
+    move |error| match origin {
+        Origin::Preset => JobError::OwnObject(error),
+        Origin::Program => JobError::Evaluate(error),
+        Origin::File(file) => JobError::Unfit { file: file.clone(), error },
+    }
 }
 
 /// The name of a file without folder and extension.

@@ -103,6 +103,81 @@ fn colours_that_no_mask_can_read_are_a_warning() {
     }
 }
 
+/// Files of every kind of fault in what an effect reads, each with its exit code and a part of what is said.
+fn refused() -> Vec<(&'static str, Vec<u8>, i32, &'static str)> {
+    let edited = |edit: &dyn Fn(&mut Value)| {
+        let mut doc = character();
+        edit(&mut doc.json);
+        doc.glb()
+    };
+    let whole = character().glb();
+    vec![
+        ("cut.glb", whole[..whole.len() - 5].to_vec(), 3, ": byte 8: found"),
+        ("text.gltf", b"{\n\"asset\": }".to_vec(), 3, ":2: found"),
+        ("old.glb", edited(&|json| json["asset"]["version"] = json!("1.0")), 3, ": /asset/version: found"),
+        (
+            "packed.glb",
+            edited(&|json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
+            3,
+            ": /extensionsRequired/0: found the required extension KHR_draco_mesh_compression",
+        ),
+        (
+            "lost.gltf",
+            br#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "lost.bin", "byteLength": 4}]}"#.to_vec(),
+            3,
+            ": /buffers/0/uri: found",
+        ),
+        (
+            "view.glb",
+            edited(&|json| json["bufferViews"][0]["byteLength"] = json!(1e6)),
+            3,
+            ": /bufferViews/0",
+        ),
+        ("long.glb", edited(&|json| json["accessors"][0]["count"] = json!(9999)), 3, ": /accessors/0: found"),
+        (
+            "mode.glb",
+            edited(&|json| json["meshes"][0]["primitives"][0]["mode"] = json!(9)),
+            3,
+            ": /meshes/0/primitives/0/mode: found 9",
+        ),
+        ("cycle.glb", edited(&|json| json["nodes"][2]["children"] = json!([1])), 3, ": /nodes/"),
+        (
+            "skin.glb",
+            edited(&|json| json["skins"][0]["joints"][1] = json!(77)),
+            3,
+            ": /skins/0/joints/1: found",
+        ),
+        ("empty.glb", edited(&|json| json["scenes"] = json!([{}])), 3, ": found a scene without any vertex"),
+        ("face.obj", b"v 0 0 0\nf 1 2 3\n".to_vec(), 3, ":2: found"),
+        ("big.obj", b"v 0 0 0\n".repeat(400), 5, "--max-vertices"),
+        ("what.stl", b"solid\n".to_vec(), 3, ": found a file of unknown kind"),
+    ]
+}
+
+#[test]
+fn what_apply_refuses_inspect_refuses_in_the_same_words() {
+    let place = Place::new();
+    for (name, bytes, code, part) in refused() {
+        place.write(name, bytes);
+        let applied =
+            place.run(&format!("apply lift.ron {name} -o out.glb --max-vertices 300")).expect(code).err();
+        assert!(
+            applied.contains(&format!("{name}{part}")) || code == 5 && applied.contains(part),
+            "{applied}"
+        );
+        let table = place.run(&format!("inspect {name} --max-vertices 300")).expect(code);
+        assert_eq!((table.err(), table.out()), (applied.clone(), String::new()), "{name}");
+        let json = place.run(&format!("inspect {name} --json --max-vertices 300")).expect(code);
+        let facts: Value = serde_json::from_str(&json.out()).unwrap();
+        assert_eq!(
+            (json.err(), format!("error: {}\n", facts["refused"].as_str().unwrap())),
+            (applied.clone(), applied)
+        );
+    }
+    place.write("fine.glb", character().glb());
+    assert_eq!(inspect(&place, "fine.glb").0["refused"], Value::Null);
+}
+
 #[test]
 fn groups_and_materials_of_an_obj_are_listed_with_their_vertices() {
     let place = Place::new();

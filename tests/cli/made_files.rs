@@ -215,3 +215,74 @@ fn an_obj_keeps_its_text_and_its_seam_stays_shut() {
         assert!(want.iter().any(|want| want.distance(*p) < CLOSE), "{p}");
     }
 }
+
+/// Quads and a concave pentagon in groups, counted from behind, with colours, and with libraries that nobody may open.
+const GROUPS: &str = "mtllib outside.mtl ../outside.mtl /dev/zero\n\
+    o table\ng top left\nv 0 0 3 1 0 0\nv 1 0 3 0.5 0.25 0\nv 1 0.1 3.1 0 1 0\nv 0 0.1 3.1 0 0 1\nusemtl oak\ns off\nf -4 -3 -2 -1\n\
+    g bottom\nv 0 0 3.2\nv 2 0 3.2\nv 2 0 3.4\nv 1 0 3.25\nv 0 0 3.4\nusemtl \u{6a2b}\nf -5 -4 -3 -2 -1\nf 1 2 -4 5\nl -9 -8\n";
+
+/// A file that blocks whoever opens it.
+#[cfg(unix)]
+fn trap(path: &std::path::Path) {
+    assert!(std::process::Command::new("mkfifo").arg(path).status().expect("mkfifo").success());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_obj_keeps_groups_polygons_and_colours_and_opens_no_library() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("in")).unwrap();
+    trap(&place.path("outside.mtl"));
+    trap(&place.path("in/outside.mtl"));
+    place.write("rise.ron", RISE);
+    place.write("in/in.obj", GROUPS);
+    place.run("apply rise.ron in/in.obj -o out.obj --at 1").expect(0);
+    let out = String::from_utf8(place.read("out.obj")).unwrap();
+    assert_eq!(out.lines().count(), GROUPS.lines().count());
+    let mut moved = 0;
+    for (now, before) in out.lines().zip(GROUPS.lines()) {
+        let Some(numbers) = before.strip_prefix("v ") else {
+            assert_eq!(now, before);
+            continue;
+        };
+        let split = |line: &str| line.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        let (now, before) = (split(&now[2..]), split(numbers));
+        assert_eq!((&now[3..], now.len()), (&before[3..], before.len()), "colours stay as they are");
+        let point = |words: &[String]| DVec3::from_array([0, 1, 2].map(|k| words[k].parse().unwrap()));
+        let (p, q) = (point(&before), point(&now));
+        assert!(q.distance(risen(p, 1.0)) < CLOSE, "{p}: {q}");
+        moved += usize::from(p != q);
+    }
+    assert_eq!(moved, 9);
+
+    // The same shape in triangles, none of which leaves the pentagon or turns over.
+    place.run("apply rise.ron in/in.obj -o out.glb --at 0").expect(0);
+    place.run("inspect in/in.obj").expect(0);
+    place.run("render in/in.obj -o out.png --size 16x16 --fast").expect(0);
+    let (json, bin) = chunks(&place.read("out.glb"));
+    let of = |reference: &Value| {
+        let accessor = &json["accessors"][reference.as_u64().unwrap() as usize];
+        let view = &json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+        let start = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+        (accessor["count"].as_u64().unwrap() as usize, accessor["componentType"].clone(), &bin[start..])
+    };
+    let primitive = &json["meshes"][0]["primitives"][0];
+    let (count, kind, bytes) = of(&primitive["indices"]);
+    let index = |k: usize| match kind.as_u64() {
+        Some(5121) => usize::from(bytes[k]),
+        Some(5123) => usize::from(u16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]])),
+        _ => u32::from_le_bytes(bytes[4 * k..4 * k + 4].try_into().unwrap()) as usize,
+    };
+    let (_, _, bytes) = of(&primitive["attributes"]["POSITION"]);
+    let number = |k: usize| f64::from(f32::from_le_bytes(bytes[4 * k..4 * k + 4].try_into().unwrap()));
+    let vertex = |v: usize| DVec3::new(number(3 * v), number(3 * v + 1), number(3 * v + 2));
+    let area = |k: usize| {
+        let [a, b, c] = [0, 1, 2].map(|corner| vertex(index(3 * k + corner)));
+        (b - a).cross(c - a).y / 2.0
+    };
+    assert_eq!(count / 3, 2 + 3 + 2);
+    let areas: Vec<f64> = (0..count / 3).map(area).collect();
+    assert!(areas[2..5].iter().all(|&area| area < 0.0), "{areas:?}");
+    // Its shoelace area: 0.4 less the notch of 0.15 below the line from (2, 3.4) to (0, 3.4).
+    assert!((areas[2..5].iter().sum::<f64>() + (0.4 - 0.15)).abs() < 1e-6, "{areas:?}");
+}

@@ -3,14 +3,19 @@
 
 mod apply;
 mod commands;
+mod document;
 mod effects;
 mod exit_codes;
+mod hostile;
 mod inspect;
 mod made_files;
 mod masks;
+mod nothing_lost;
 mod place;
+mod player;
 mod real_files;
 mod render;
+mod storage;
 mod tangents;
 
 #[path = "../../crates/asset/tests/oracle/mod.rs"]

@@ -135,24 +135,15 @@ impl Gltf {
         &'a self,
         reference: Json<'_>,
     ) -> Result<(&'a [u8], usize, Option<usize>), AssetError> {
-        let (_, view) = self.follow("bufferViews", reference)?;
-        let buffer = view.need("buffer")?.index("buffer", self.buffers.len())?;
-        let buffer = self.buffers.get(buffer).ok_or_else(|| view.fault("a buffer"))?;
-        let offset = view.uint_or("byteOffset", 0)?;
-        let length = view.need("byteLength")?;
-        let bytes = offset
-            .checked_add(length.uint()?)
-            .filter(|&end| end <= buffer.length)
-            .and_then(|end| buffer.bytes.get(offset..end))
-            .ok_or_else(|| {
-                length.found(
-                    format!("{} bytes from byte {offset}", length.value()),
-                    format!("a range within the {} bytes of the buffer", buffer.length),
-                )
-            })?;
-        if bytes.is_empty() {
-            return Err(length.fault("at least one byte"));
+        let (index, view) = self.follow("bufferViews", reference)?;
+        if let Some(error) = self.undecoded.get(&index) {
+            return Err(error.clone());
         }
+        let bytes = self.range(view)?;
+        if bytes.is_empty() {
+            return Err(view.need("byteLength")?.fault("at least one byte"));
+        }
+        let offset = view.uint_or("byteOffset", 0)?;
         let stride = match view.get("byteStride")? {
             None => None,
             Some(json) => {
@@ -253,22 +244,47 @@ fn element_size(component: Component, lanes: usize) -> usize {
     }
 }
 
-impl Sparse<'_> {
-    fn indices(&self) -> impl Iterator<Item = usize> {
-        self.indices.chunks_exact(self.index_type.size()).map(|bytes| self.index_type.value(bytes) as usize)
+impl<'a> Sparse<'a> {
+    fn indices(&self) -> impl Iterator<Item = usize> + use<'a> {
+        let index_type = self.index_type;
+        self.indices.chunks_exact(index_type.size()).map(move |bytes| index_type.value(bytes) as usize)
     }
 }
 
-impl Accessor<'_> {
+impl<'a> Accessor<'a> {
     /// All elements as `N` floats each; normalised integers as the standard says. `N` is [`Accessor::lanes`].
     pub(crate) fn floats<const N: usize>(&self, budget: &mut Budget) -> Result<Vec<[f32; N]>, AssetError> {
+        if self.component == Component::F32 {
+            return self.elements(budget, 0.0, plain);
+        }
         let (scale, least) = self.range();
-        self.elements(budget, [0.0; N], |value| (value / scale).max(least) as f32)
+        let convert = |value: f64| (value / scale).max(least) as f32;
+        match self.component {
+            Component::I8 => self.elements(budget, 0.0, |[b]| convert(f64::from(u8::cast_signed(b)))),
+            Component::U8 => self.elements(budget, 0.0, |[b]| convert(f64::from(b))),
+            Component::I16 => self.elements(budget, 0.0, |b| convert(f64::from(i16::from_le_bytes(b)))),
+            Component::U16 => self.elements(budget, 0.0, |b| convert(f64::from(u16::from_le_bytes(b)))),
+            Component::U32 | Component::F32 => {
+                self.elements(budget, 0.0, |b| convert(f64::from(u32::from_le_bytes(b))))
+            }
+        }
     }
 
     /// All elements as `N` unsigned integers each; the component type is an unsigned one.
     pub(crate) fn uints<const N: usize>(&self, budget: &mut Budget) -> Result<Vec<[u32; N]>, AssetError> {
-        self.elements(budget, [0; N], |value| value as u32)
+        match self.component.size() {
+            1 => self.elements(budget, 0, |[b]| u32::from(b)),
+            2 => self.elements(budget, 0, |b| u32::from(u16::from_le_bytes(b))),
+            _ => self.elements(budget, 0, u32::from_le_bytes),
+        }
+    }
+
+    /// Scalars that stand side by side as groups of `N`; nothing where they do not, or are no whole groups.
+    pub(crate) fn grouped<const N: usize>(&self) -> Option<Self> {
+        let base = self.base.filter(|base| base.stride == self.component.size())?;
+        let whole = self.lanes == 1 && self.sparse.is_none() && self.count.is_multiple_of(N);
+        let base = Strided { stride: N * base.stride, ..base };
+        whole.then_some(Self { count: self.count / N, lanes: N, base: Some(base), ..*self })
     }
 
     /// Visits the elements in their order, as [`Accessor::floats`] gives them, without keeping them. Of an accessor
@@ -276,11 +292,28 @@ impl Accessor<'_> {
     pub(crate) fn each_float<const N: usize>(
         &self,
         budget: &mut Budget,
-        visit: impl FnMut(usize, [f32; N]),
+        mut visit: impl FnMut(usize, [f32; N]),
     ) -> Result<(), AssetError> {
         self.charge::<f32, N>(budget)?;
+        let size = self.component.size();
         let (scale, least) = self.range();
-        self.each([0.0; N], |value| (value / scale).max(least) as f32, visit);
+        let element = |bytes: &[u8]| {
+            let mut out = [0.0; N];
+            for (slot, bytes) in out.iter_mut().zip(bytes.chunks_exact(size)) {
+                *slot = (self.component.value(bytes) / scale).max(least) as f32;
+            }
+            out
+        };
+        let mut replaced = self.replaced(size * N).peekable();
+        match self.base {
+            None => replaced.for_each(|(i, bytes)| visit(i, element(bytes))),
+            Some(base) => {
+                for (i, bytes) in base.bytes.chunks(base.stride).take(self.count).enumerate() {
+                    let bytes = replaced.next_if(|(at, _)| *at == i).map_or(bytes, |(_, bytes)| bytes);
+                    visit(i, element(bytes));
+                }
+            }
+        }
         Ok(())
     }
 
@@ -297,44 +330,43 @@ impl Accessor<'_> {
         budget.charge(Of::ExpandedBytes, bytes, || self.json.place())
     }
 
-    fn elements<T: Copy, const N: usize>(
+    /// The elements that replace others, of `size` bytes each, and which. They are below the count.
+    fn replaced(&self, size: usize) -> impl Iterator<Item = (usize, &'a [u8])> + use<'a> {
+        let sparse = self.sparse;
+        sparse.into_iter().flat_map(move |s| s.indices().zip(s.values.chunks_exact(size)))
+    }
+
+    /// All elements, their components of `S` bytes converted one by one.
+    fn elements<T: Copy, const S: usize, const N: usize>(
         &self,
         budget: &mut Budget,
-        zero: [T; N],
-        convert: impl Fn(f64) -> T,
+        zero: T,
+        convert: impl Fn([u8; S]) -> T,
     ) -> Result<Vec<[T; N]>, AssetError> {
         self.charge::<T, N>(budget)?;
         let mut out = reserve(self.count)?;
-        out.resize(self.count, zero);
-        // Sparse indices are below the count.
-        self.each(zero, convert, |i, element| out[i] = element);
-        Ok(out)
-    }
-
-    fn each<T: Copy, const N: usize>(
-        &self,
-        zero: [T; N],
-        convert: impl Fn(f64) -> T,
-        mut visit: impl FnMut(usize, [T; N]),
-    ) {
-        let size = self.component.size();
         let element = |bytes: &[u8]| {
-            let mut out = zero;
-            for (slot, bytes) in out.iter_mut().zip(bytes.chunks_exact(size)) {
-                *slot = convert(self.component.value(bytes));
-            }
-            out
+            bytes.as_chunks().0.first_chunk::<N>().map_or([zero; N], |components| components.map(&convert))
         };
-        let replaced = self.sparse.iter().flat_map(|s| s.indices().zip(s.values.chunks_exact(size * N)));
         match self.base {
-            None => replaced.for_each(|(i, bytes)| visit(i, element(bytes))),
-            Some(base) => {
-                let mut replaced = replaced.peekable();
-                for (i, bytes) in base.bytes.chunks(base.stride).take(self.count).enumerate() {
-                    let bytes = replaced.next_if(|(at, _)| *at == i).map_or(bytes, |(_, bytes)| bytes);
-                    visit(i, element(bytes));
-                }
+            None => out.resize(self.count, [zero; N]),
+            // The same once more in a form that compilers turn into vector instructions.
+            Some(base) if base.stride == S * N => {
+                let elements = base.bytes.as_chunks().0.as_chunks::<N>().0;
+                out.extend(elements.iter().take(self.count).map(|components| components.map(&convert)));
+            }
+            Some(base) => out.extend(base.bytes.chunks(base.stride).take(self.count).map(element)),
+        }
+        for (i, bytes) in self.replaced(S * N) {
+            if let Some(slot) = out.get_mut(i) {
+                *slot = element(bytes);
             }
         }
+        Ok(out)
     }
+}
+
+/// A float as it is, but for NaN, which goes the way of what is infinite: as with other types, there is a least value.
+fn plain(bytes: [u8; 4]) -> f32 {
+    f32::from_le_bytes(bytes).max(f32::NEG_INFINITY)
 }

@@ -1,5 +1,7 @@
 //! The GLB container: a header of 12 bytes, a JSON chunk, perhaps a BIN chunk, and chunks nobody knows yet.
 
+use std::ops::Range;
+
 use crate::error::{AssetError, Place};
 
 /// `glTF`, little endian.
@@ -14,7 +16,8 @@ const CHUNK_HEADER: usize = 8;
 #[derive(Debug)]
 pub(crate) struct Chunks<'a> {
     pub(crate) json: &'a [u8],
-    pub(crate) bin: Option<&'a [u8]>,
+    /// Which bytes of the file are those of the BIN chunk.
+    pub(crate) bin: Option<Range<usize>>,
     /// Everything behind the chunks above, headers included; kept as it is.
     pub(crate) rest: &'a [u8],
     /// How many bytes follow the length that the header declares; they are not part of the file.
@@ -44,7 +47,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Chunks<'_>, AssetError> {
     }
     let mut bin = None;
     if let Some((BIN, data, end)) = chunk(body, next)? {
-        bin = Some(data);
+        bin = Some(end - data.len()..end);
         next = end;
     }
     let rest = body.get(next..).unwrap_or(&[]);
@@ -86,29 +89,45 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 
 /// Puts a GLB file together: JSON padded with spaces, BIN with zeros, `rest` as it is.
 pub(crate) fn assemble(json: &[u8], bin: Option<&[u8]>, rest: &[u8]) -> Result<Vec<u8>, AssetError> {
+    let (mut out, after) = around(json, bin.map(<[u8]>::len), rest)?;
+    let bin = bin.unwrap_or(&[]);
+    let room = bin.len() + after.len();
+    out.try_reserve_exact(room).map_err(|_| {
+        AssetError::file(format!("{room} more bytes"), "an output that fits into memory")
+            .of_class(crate::ErrorClass::Limit)
+    })?;
+    out.extend_from_slice(bin);
+    out.extend_from_slice(&after);
+    Ok(out)
+}
+
+/// What stands in a GLB file before the bytes of a BIN chunk of `bin` bytes, and what behind them.
+pub(crate) fn around(json: &[u8], bin: Option<usize>, rest: &[u8]) -> Result<(Vec<u8>, Vec<u8>), AssetError> {
     let padded = |length: usize| length.div_ceil(4) * 4;
     let mut total = HEADER + CHUNK_HEADER + padded(json.len()) + rest.len();
-    total += bin.map_or(0, |bin| CHUNK_HEADER + padded(bin.len()));
+    total += bin.map_or(0, |bin| CHUNK_HEADER + padded(bin));
     let Ok(length) = u32::try_from(total) else {
         return Err(AssetError::file(format!("a GLB of {total} bytes"), "less than 4 GiB: write a .gltf")
             .of_class(crate::ErrorClass::Limit));
     };
-    let mut out = crate::limits::reserve(total)?;
-    out.extend_from_slice(&MAGIC);
-    out.extend_from_slice(&VERSION.to_le_bytes());
-    out.extend_from_slice(&length.to_le_bytes());
-    let mut push = |kind: u32, data: &[u8], fill: u8| {
-        out.extend_from_slice(&(padded(data.len()) as u32).to_le_bytes());
+    let mut before = crate::limits::reserve(HEADER + 2 * CHUNK_HEADER + padded(json.len()))?;
+    before.extend_from_slice(&MAGIC);
+    before.extend_from_slice(&VERSION.to_le_bytes());
+    before.extend_from_slice(&length.to_le_bytes());
+    let chunk = |out: &mut Vec<u8>, length: usize, kind: u32| {
+        out.extend_from_slice(&(padded(length) as u32).to_le_bytes());
         out.extend_from_slice(&kind.to_le_bytes());
-        out.extend_from_slice(data);
-        out.resize(padded(out.len()), fill);
     };
-    push(JSON, json, b' ');
+    chunk(&mut before, json.len(), JSON);
+    before.extend_from_slice(json);
+    before.resize(padded(before.len()), b' ');
+    let mut after = Vec::new();
     if let Some(bin) = bin {
-        push(BIN, bin, 0);
+        chunk(&mut before, bin, BIN);
+        after.resize(padded(bin) - bin, 0);
     }
-    out.extend_from_slice(rest);
-    Ok(out)
+    after.extend_from_slice(rest);
+    Ok((before, after))
 }
 
 #[cfg(test)]
@@ -120,7 +139,8 @@ mod tests {
         let rest = [4, 0, 0, 0, b'X', b'Y', b'Z', b'W', 1, 2, 3, 4];
         let bytes = assemble(b"{}", Some(&[1, 2, 3]), &rest).unwrap();
         let chunks = parse(&bytes).unwrap();
-        assert_eq!((chunks.json, chunks.bin), (&b"{}  "[..], Some(&[1, 2, 3, 0][..])));
+        let bin = chunks.bin.map(|bin| &bytes[bin]);
+        assert_eq!((chunks.json, bin), (&b"{}  "[..], Some(&[1, 2, 3, 0][..])));
         assert_eq!((chunks.rest, chunks.beyond), (&rest[..], 0));
         assert_eq!(parse(&assemble(b"{} ", None, &rest).unwrap()).unwrap().rest, rest);
     }

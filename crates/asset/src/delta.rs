@@ -1,14 +1,15 @@
 //! Accessors of displacements: sparse where that is smaller, and each content written once.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use serde_json::json;
 
 use crate::document::Gltf;
-use crate::edit::{FLOAT, VERTICES, bytes_of, set_bounds};
+use crate::edit::{FLOAT, VERTICES, set_bounds};
 use crate::error::AssetError;
+use crate::limits::reserve;
 
 /// About what a sparse accessor takes more JSON than a dense one.
 const SPARSE_JSON: usize = 200;
@@ -29,11 +30,11 @@ struct Entry {
     accessor: usize,
 }
 
-/// Displacements as bytes.
-struct Encoded {
+/// Displacements as they are written.
+struct Encoded<'a> {
     /// Bytes of an index and the indices, for a sparse accessor.
     indices: Option<(usize, Vec<u8>)>,
-    values: Vec<u8>,
+    values: Cow<'a, [[f32; 3]]>,
 }
 
 impl Gltf {
@@ -43,27 +44,25 @@ impl Gltf {
     /// Without any displacement it is a sparse accessor with one explicit zero, which every reader understands; an
     /// accessor with neither data nor sparse elements, though valid, is refused by several.
     pub fn append_deltas(&mut self, deltas: &[[f32; 3]], with_bounds: bool) -> Result<usize, AssetError> {
-        let encoded = encode(deltas)?;
-        let index_bytes = encoded.indices.as_ref().map_or(&[][..], |(_, bytes)| bytes);
-        let mut hasher = DefaultHasher::new();
-        (deltas.len(), with_bounds, index_bytes, &encoded.values).hash(&mut hasher);
-        let hash = hasher.finish();
-        if let Some(accessor) = self.find(hash, deltas.len(), with_bounds, index_bytes, &encoded.values) {
+        let survey = Survey::of(deltas);
+        let encoded = survey.encode(deltas)?;
+        if let Some(accessor) = self.find(survey.hash, deltas.len(), with_bounds, &encoded) {
             return Ok(accessor);
         }
         let mut accessor = json!({ "componentType": FLOAT, "count": deltas.len(), "type": "VEC3" });
+        let floats = encoded.values.as_flattened();
         let (indices, values) = match &encoded.indices {
             None => {
-                let view = self.append_view(&encoded.values, Some(VERTICES))?;
+                let view = self.append_floats(floats, Some(VERTICES))?;
                 accessor = json!({
                     "bufferView": view, "componentType": FLOAT, "count": deltas.len(), "type": "VEC3",
                 });
-                (0..0, self.last(encoded.values.len()))
+                (0..0, self.last(size_of_val(floats)))
             }
             Some((size, bytes)) => {
                 let index_view = self.append_view(bytes, None)?;
                 let indices = self.last(bytes.len());
-                let value_view = self.append_view(&encoded.values, None)?;
+                let value_view = self.append_floats(floats, None)?;
                 let kind = match size {
                     1 => 5121,
                     2 => 5123,
@@ -71,21 +70,21 @@ impl Gltf {
                 };
                 if let Some(accessor) = accessor.as_object_mut() {
                     let sparse = json!({
-                        "count": encoded.values.len() / 12,
+                        "count": encoded.values.len(),
                         "indices": { "bufferView": index_view, "componentType": kind },
                         "values": { "bufferView": value_view },
                     });
                     accessor.insert("sparse".to_owned(), sparse);
                 }
-                (indices, self.last(encoded.values.len()))
+                (indices, self.last(size_of_val(floats)))
             }
         };
         if with_bounds {
-            set_bounds(&mut accessor, deltas.iter().map(<[f32; 3]>::as_slice));
+            set_bounds(&mut accessor, deltas);
         }
         let accessor = self.append("accessors", accessor)?;
         let entry = Entry { count: deltas.len(), with_bounds, indices, values, accessor };
-        self.written.by_hash.entry(hash).or_default().push(entry);
+        self.written.by_hash.entry(survey.hash).or_default().push(entry);
         Ok(accessor)
     }
 
@@ -96,39 +95,94 @@ impl Gltf {
         end.saturating_sub(length)..end
     }
 
-    fn find(
-        &self,
-        hash: u64,
-        count: usize,
-        with_bounds: bool,
-        indices: &[u8],
-        values: &[u8],
-    ) -> Option<usize> {
+    fn find(&self, hash: u64, count: usize, with_bounds: bool, encoded: &Encoded<'_>) -> Option<usize> {
         let bytes = &self.buffers.get(self.growing?)?.bytes;
+        let indices = encoded.indices.as_ref().map_or(&[][..], |(_, bytes)| bytes);
         let same = |entry: &&Entry| {
             entry.count == count
                 && entry.with_bounds == with_bounds
                 && bytes.get(entry.indices.clone()) == Some(indices)
-                && bytes.get(entry.values.clone()) == Some(values)
+                && bytes
+                    .get(entry.values.clone())
+                    .is_some_and(|bytes| equal(bytes, encoded.values.as_flattened()))
         };
         self.written.by_hash.get(&hash)?.iter().find(same).map(|entry| entry.accessor)
     }
 }
 
-fn encode(deltas: &[[f32; 3]]) -> Result<Encoded, AssetError> {
-    let changed: Vec<usize> = (0..deltas.len()).filter(|&i| deltas[i] != [0.0; 3]).collect();
-    let size = match changed.last().copied().unwrap_or(0) {
-        0..=0xff => 1,
-        0x100..=0xffff => 2,
-        _ => 4,
-    };
-    if !changed.is_empty() && changed.len() * (12 + size) + SPARSE_JSON >= deltas.len() * 12 {
-        return Ok(Encoded { indices: None, values: bytes_of(deltas.as_flattened())? });
+/// Whether `bytes` are those of `values`.
+fn equal(bytes: &[u8], values: &[f32]) -> bool {
+    let (words, rest) = bytes.as_chunks();
+    rest.is_empty()
+        && words.len() == values.len()
+        && words.iter().zip(values).all(|(word, value)| *word == value.to_le_bytes())
+}
+
+/// What has to be known of displacements before they are written.
+struct Survey {
+    /// How many are not 0.
+    changed: usize,
+    /// The last of those, or 0.
+    last: usize,
+    /// Equal for equal content, the signs of zeros aside.
+    hash: u64,
+}
+
+impl Survey {
+    fn of(deltas: &[[f32; 3]]) -> Self {
+        /// So many are looked at twice while they are near; a multiple of two, for the hash takes floats in eights.
+        const BLOCK: usize = 1 << 10;
+        let mut out = Self { changed: 0, last: 0, hash: deltas.len() as u64 };
+        for (k, block) in deltas.chunks(BLOCK).enumerate() {
+            let moves = |delta: &[f32; 3]| *delta != [0.0; 3];
+            let changed = block.iter().filter(|delta| moves(delta)).count();
+            if changed > 0 {
+                out.changed += changed;
+                out.last = k * BLOCK + block.iter().rposition(moves).unwrap_or(0);
+            }
+            out.hash = mix(out.hash, block.as_flattened());
+        }
+        out
     }
-    let changed = if changed.is_empty() { vec![0] } else { changed };
-    let indices = changed.iter().flat_map(|&i| (i as u32).to_le_bytes().into_iter().take(size)).collect();
-    let values: Vec<f32> = changed.iter().filter_map(|&i| deltas.get(i)).flatten().copied().collect();
-    Ok(Encoded { indices: Some((size, indices)), values: bytes_of(&values)? })
+
+    fn encode<'a>(&self, deltas: &'a [[f32; 3]]) -> Result<Encoded<'a>, AssetError> {
+        let size = match self.last {
+            0..=0xff => 1,
+            0x100..=0xffff => 2,
+            _ => 4,
+        };
+        if self.changed > 0 && self.changed * (12 + size) + SPARSE_JSON >= deltas.len() * 12 {
+            return Ok(Encoded { indices: None, values: Cow::Borrowed(deltas) });
+        }
+        // Without any, the first stands for all.
+        let kept = |i: usize, delta: &[f32; 3]| *delta != [0.0; 3] || (self.changed == 0 && i == 0);
+        let mut indices = reserve(self.changed.max(1) * size)?;
+        let mut values = reserve(self.changed.max(1))?;
+        for (i, &delta) in deltas.iter().enumerate().filter(|(i, delta)| kept(*i, delta)) {
+            indices.extend_from_slice(&(i as u32).to_le_bytes()[..size]);
+            values.push(delta);
+        }
+        Ok(Encoded { indices: Some((size, indices)), values: Cow::Owned(values) })
+    }
+}
+
+/// Goes on with a hash: in four strands, so that none waits for the other. It need not withstand anybody, for what
+/// has the same hash is compared.
+fn mix(hash: u64, values: &[f32]) -> u64 {
+    /// Odd, and its bits without a pattern: from the golden ratio.
+    const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
+    let step = |state: u64, word: u64| (state ^ word).wrapping_mul(FACTOR);
+    // Adding 0 takes the sign off a zero.
+    let bits = |value: f32| u64::from((value + 0.0).to_bits());
+    let mut strands = [hash, hash ^ 1, hash ^ 2, hash ^ 3];
+    let (groups, rest) = values.as_chunks::<8>();
+    for group in groups {
+        for (strand, [low, high]) in strands.iter_mut().zip(group.as_chunks::<2>().0) {
+            *strand = step(*strand, bits(*low) | bits(*high) << 32);
+        }
+    }
+    let last = rest.iter().fold(hash, |state, &value| step(state, bits(value)));
+    strands.iter().fold(last, |state, strand| step(state.rotate_left(29), *strand))
 }
 
 #[cfg(test)]

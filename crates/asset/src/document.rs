@@ -1,5 +1,7 @@
 //! A glTF document: its JSON as it was read, and the bytes of its buffers.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
@@ -8,22 +10,24 @@ use crate::container;
 use crate::edit::whole;
 use crate::error::{AssetError, Place, Warning};
 use crate::json::Json;
-use crate::limits::{Budget, Limits, Of};
+use crate::limits::{Budget, Limits, Of, reserve};
+use crate::meshopt::is_fallback;
 use crate::uri;
 
 /// Required extensions that keep the geometry in a form that is not decoded here.
-const COMPRESSED: [&str; 3] =
-    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+const COMPRESSED: [&str; 1] = ["KHR_draco_mesh_compression"];
 
 /// Extensions that may be required: none of them changes where vertices are or how they are stored, except
-/// `KHR_mesh_quantization`, which the accessor views read.
-const UNDERSTOOD: [&str; 12] = [
+/// `KHR_mesh_quantization`, which the accessor views read, and meshopt's compression, which is decoded under them.
+const UNDERSTOOD: [&str; 14] = [
     "EXT_lights_image_based",
+    "EXT_meshopt_compression",
     "EXT_texture_avif",
     "EXT_texture_webp",
     "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_techniques_webgl",
     "KHR_texture_basisu",
@@ -46,6 +50,8 @@ pub(crate) enum Source {
     File,
     /// Added here.
     New,
+    /// Compressed views: nothing of it is written.
+    Fallback,
 }
 
 #[derive(Clone, Debug)]
@@ -73,6 +79,8 @@ pub struct Gltf {
     pub(crate) orphan: Option<Vec<u8>>,
     /// Chunks behind BIN, headers included.
     pub(crate) chunks: Vec<u8>,
+    /// Compressed views that cannot be decoded, and why.
+    pub(crate) undecoded: BTreeMap<usize, AssetError>,
     pub(crate) limits: Limits,
     pub(crate) warnings: Vec<Warning>,
     /// The buffer that takes new data, once there is one.
@@ -92,7 +100,7 @@ impl Gltf {
         let mut budget = Budget::new(limits);
         let folder = path.parent().map(Path::to_path_buf);
         uri::read_file(path, &mut budget)
-            .and_then(|bytes| Self::parse(&bytes, &name, folder, limits, &mut budget))
+            .and_then(|bytes| Self::parse(bytes, &name, folder, limits, &mut budget))
             .map_err(|error| error.in_file(&name))
     }
 
@@ -101,12 +109,12 @@ impl Gltf {
         let mut budget = Budget::new(limits);
         budget
             .charge(Of::FileBytes, bytes.len() as u64, || Place::File)
-            .and_then(|()| Self::parse(bytes, name, None, limits, &mut budget))
+            .and_then(|()| Self::parse(bytes.to_vec(), name, None, limits, &mut budget))
             .map_err(|error| error.in_file(name))
     }
 
     fn parse(
-        bytes: &[u8],
+        bytes: Vec<u8>,
         name: &str,
         folder: Option<PathBuf>,
         limits: &Limits,
@@ -114,18 +122,22 @@ impl Gltf {
     ) -> Result<Self, AssetError> {
         let mut warnings = Vec::new();
         let binary = bytes.starts_with(&container::MAGIC);
-        let (text, bin, chunks) = if binary {
-            let parts = container::parse(bytes)?;
+        let mut text_of = |text: &[u8]| {
+            budget.charge(Of::JsonBytes, text.len() as u64, || Place::File)?;
+            parse_json(text)
+        };
+        let (json, bin, chunks) = if binary {
+            let parts = container::parse(&bytes)?;
             if parts.beyond > 0 {
                 let message = format!("{} bytes follow the end of the file; they are dropped", parts.beyond);
                 warnings.push(Warning::new("trailing-bytes", Place::File, message));
             }
-            (parts.json, parts.bin.map(<[u8]>::to_vec), parts.rest.to_vec())
+            let (json, chunks) = (text_of(parts.json)?, parts.rest.to_vec());
+            let bin = parts.bin.map(|bin| cut(bytes, bin));
+            (json, bin, chunks)
         } else {
-            (bytes, None, Vec::new())
+            (text_of(&bytes)?, None, Vec::new())
         };
-        budget.charge(Of::JsonBytes, text.len() as u64, || Place::File)?;
-        let json = parse_json(text)?;
         let mut gltf = Self {
             file: name.to_owned(),
             folder,
@@ -134,6 +146,7 @@ impl Gltf {
             buffers: Vec::new(),
             orphan: bin,
             chunks,
+            undecoded: BTreeMap::new(),
             limits: *limits,
             warnings,
             growing: None,
@@ -207,6 +220,12 @@ impl Gltf {
                 let length = buffer.need("byteLength")?.uint()?;
                 let (bytes, source) = match buffer.get("uri")? {
                     Some(uri) => self.load_uri(uri, budget)?,
+                    None if is_fallback(buffer) => {
+                        budget.charge(Of::ExpandedBytes, length as u64, || buffer.place())?;
+                        let mut bytes = reserve(length)?;
+                        bytes.resize(length, 0);
+                        (bytes, Source::Fallback)
+                    }
                     None => match bin.take().filter(|_| index == 0) {
                         Some(bytes) => (bytes, Source::Bin),
                         None => {
@@ -223,7 +242,7 @@ impl Gltf {
         }
         self.buffers = buffers;
         self.orphan = bin;
-        Ok(())
+        self.decode_views()
     }
 
     /// Warns of views that end beyond their buffer. Where geometry uses one it is an error there.
@@ -265,6 +284,13 @@ impl Gltf {
             error
         })
     }
+}
+
+/// The range of `bytes` alone, where it is: a move within memory is cheaper than new memory.
+fn cut(mut bytes: Vec<u8>, range: Range<usize>) -> Vec<u8> {
+    bytes.truncate(range.end);
+    bytes.drain(..range.start.min(bytes.len()));
+    bytes
 }
 
 fn parse_json(text: &[u8]) -> Result<Value, AssetError> {

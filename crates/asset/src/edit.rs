@@ -2,9 +2,9 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::attributes::bounds;
 use crate::document::{Buffer, Gltf, Source};
 use crate::error::{AssetError, Place};
-use crate::limits::reserve;
 
 /// `bufferView.target` of vertex data.
 pub(crate) const VERTICES: u32 = 34962;
@@ -77,21 +77,44 @@ impl Gltf {
 
     /// Appends bytes as a buffer view and gives its index.
     pub(crate) fn append_view(&mut self, bytes: &[u8], target: Option<u32>) -> Result<usize, AssetError> {
+        self.view_of(bytes.len(), target, |out| out.extend_from_slice(bytes))
+    }
+
+    /// Appends floats as a buffer view and gives its index.
+    pub(crate) fn append_floats(&mut self, values: &[f32], target: Option<u32>) -> Result<usize, AssetError> {
+        /// So many are turned into bytes while they are near; that is a copy where they are stored as the file has them.
+        const BLOCK: usize = 1 << 10;
+        self.view_of(size_of_val(values), target, |out| {
+            let mut words = [[0; 4]; BLOCK];
+            for block in values.chunks(BLOCK) {
+                words.iter_mut().zip(block).for_each(|(word, value)| *word = value.to_le_bytes());
+                out.extend_from_slice(words[..block.len()].as_flattened());
+            }
+        })
+    }
+
+    /// A new view of `length` bytes, which `append` adds to the buffer; gives its index.
+    fn view_of(
+        &mut self,
+        length: usize,
+        target: Option<u32>,
+        append: impl FnOnce(&mut Vec<u8>),
+    ) -> Result<usize, AssetError> {
         let index = self.growing()?;
         let buffer = self.buffers.get_mut(index).ok_or_else(|| misshapen("/buffers", "a buffer"))?;
         let offset = buffer.bytes.len().div_ceil(4) * 4;
-        let room = offset - buffer.bytes.len() + bytes.len();
+        let room = offset - buffer.bytes.len() + length;
         // Growth is amortised; a failure to allocate is an error, no abort.
         buffer.bytes.try_reserve(room).map_err(|_| {
             AssetError::file(format!("{room} more bytes"), "an output that fits into memory")
                 .of_class(crate::ErrorClass::Limit)
         })?;
         buffer.bytes.resize(offset, 0);
-        buffer.bytes.extend_from_slice(bytes);
+        append(&mut buffer.bytes);
         buffer.length = buffer.bytes.len();
-        let length = buffer.length;
-        self.entry_mut("buffers", index)?.insert("byteLength".to_owned(), json!(length));
-        let mut view = json!({ "buffer": index, "byteOffset": offset, "byteLength": bytes.len() });
+        let end = buffer.length;
+        self.entry_mut("buffers", index)?.insert("byteLength".to_owned(), json!(end));
+        let mut view = json!({ "buffer": index, "byteOffset": offset, "byteLength": length });
         if let (Some(target), Some(view)) = (target, view.as_object_mut()) {
             view.insert("target".to_owned(), json!(target));
         }
@@ -104,23 +127,23 @@ impl Gltf {
         values: &[[f32; N]],
         with_bounds: bool,
     ) -> Result<usize, AssetError> {
-        let view = self.append_view(&bytes_of(values.as_flattened())?, Some(VERTICES))?;
+        let view = self.append_floats(values.as_flattened(), Some(VERTICES))?;
         let mut accessor = json!({
             "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": format!("VEC{N}"),
         });
         if with_bounds {
-            set_bounds(&mut accessor, values.iter().map(<[f32; N]>::as_slice));
+            set_bounds(&mut accessor, values);
         }
         self.append("accessors", accessor)
     }
 
     /// Appends scalars for an animation and gives the accessor's index.
     pub(crate) fn append_scalars(&mut self, values: &[f32], with_bounds: bool) -> Result<usize, AssetError> {
-        let view = self.append_view(&bytes_of(values)?, None)?;
+        let view = self.append_floats(values, None)?;
         let mut accessor =
             json!({ "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": "SCALAR" });
         if with_bounds {
-            set_bounds(&mut accessor, values.iter().map(std::slice::from_ref));
+            set_bounds(&mut accessor, values.as_chunks::<1>().0);
         }
         self.append("accessors", accessor)
     }
@@ -148,28 +171,11 @@ pub(crate) fn whole(value: &Value) -> Option<usize> {
     crate::json::Json::root(value).uint().ok()
 }
 
-/// Floats as a file has them.
-pub(crate) fn bytes_of(values: &[f32]) -> Result<Vec<u8>, AssetError> {
-    let mut bytes = reserve(values.len() * 4)?;
-    for value in values {
-        bytes.extend_from_slice(&value.to_le_bytes());
-    }
-    Ok(bytes)
-}
-
 /// Sets `min` and `max`. An `f64` holds each `f32` exactly, and prints so that it is read back exactly.
-pub(crate) fn set_bounds<'a>(accessor: &mut Value, values: impl Iterator<Item = &'a [f32]>) {
-    let (mut min, mut max): (Vec<f32>, Vec<f32>) = (Vec::new(), Vec::new());
-    for value in values {
-        if min.is_empty() {
-            (min, max) = (value.to_vec(), value.to_vec());
-        }
-        for (k, &c) in value.iter().enumerate() {
-            min[k] = min[k].min(c);
-            max[k] = max[k].max(c);
-        }
-    }
-    let numbers = |bound: Vec<f32>| Value::Array(bound.into_iter().map(|c| json!(f64::from(c))).collect());
+pub(crate) fn set_bounds<const N: usize>(accessor: &mut Value, values: &[[f32; N]]) {
+    let (min, max) = bounds(values);
+    let (min, max) = if values.is_empty() { (&[][..], &[][..]) } else { (&min[..], &max[..]) };
+    let numbers = |bound: &[f32]| Value::Array(bound.iter().map(|&c| json!(f64::from(c))).collect());
     if let Some(accessor) = accessor.as_object_mut() {
         accessor.insert("min".to_owned(), numbers(min));
         accessor.insert("max".to_owned(), numbers(max));

@@ -25,6 +25,7 @@ mod image;
 mod json;
 mod limits;
 mod look;
+mod meshopt;
 mod morph;
 mod names;
 mod obj;

@@ -1,6 +1,7 @@
 //! Files that are written whole or not at all.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -17,8 +18,8 @@ const PREFIX: &str = ".wirework-";
 pub struct OutputFile {
     /// Where.
     pub path: PathBuf,
-    /// What.
-    pub bytes: Vec<u8>,
+    /// What, one part behind the other: so that large ones need not be copied into one.
+    pub parts: Vec<Vec<u8>>,
     /// Whether it may replace a file. Copies of files that belong to an input may not replace other files.
     pub replace: bool,
     /// Whether folders are made that are not there.
@@ -28,7 +29,7 @@ pub struct OutputFile {
 impl OutputFile {
     /// A file that replaces what stands at `path`.
     pub fn new(path: impl Into<PathBuf>, bytes: Vec<u8>) -> Self {
-        Self { path: path.into(), bytes, replace: true, folders: false }
+        Self { path: path.into(), parts: vec![bytes], replace: true, folders: false }
     }
 }
 
@@ -64,9 +65,9 @@ impl Spool {
     ///
     /// The disk is full, or cannot be written.
     pub fn add(&mut self, mut file: OutputFile) -> Result<(), AssetError> {
-        let bytes = std::mem::take(&mut file.bytes);
-        self.store.write_all(&bytes).map_err(|error| Self::failed(&error))?;
-        self.files.push((file, bytes.len()));
+        let parts = std::mem::take(&mut file.parts);
+        write_parts(&mut self.store, &parts).map_err(|error| Self::failed(&error))?;
+        self.files.push((file, parts.iter().map(Vec::len).sum()));
         Ok(())
     }
 
@@ -89,8 +90,9 @@ impl Spool {
         self.store.rewind().map_err(|error| Self::failed(&error))?;
         let Self { mut store, files } = self;
         write_each(files.into_iter().map(|(mut file, length)| {
-            file.bytes.resize(length, 0);
-            store.read_exact(&mut file.bytes).map_err(|error| Self::failed(&error))?;
+            let mut bytes = vec![0; length];
+            store.read_exact(&mut bytes).map_err(|error| Self::failed(&error))?;
+            file.parts = vec![bytes];
             Ok(Cow::Owned(file))
         }))
     }
@@ -127,7 +129,7 @@ fn write_all<'f>(
             return Err(refused(&path, "a folder", "a file, or no file yet"));
         }
         if !file.replace && metadata.is_some() {
-            if fs::read(&path).is_ok_and(|there| there == file.bytes) {
+            if fs::read(&path).is_ok_and(|there| there == file.parts.concat()) {
                 continue;
             }
             return Err(refused(
@@ -137,23 +139,27 @@ fn write_all<'f>(
             ));
         }
         if metadata.as_ref().is_some_and(|metadata| !metadata.is_file()) {
-            devices.push((path, file.into_owned().bytes));
+            devices.push((path, file.into_owned().parts));
             continue;
         }
         if file.folders {
             make_folders(folder_of(&path), made)?;
         }
-        ready.push((prepare(&path, &file.bytes, metadata.as_ref())?.into_temp_path(), path));
+        ready.push((prepare(&path, &file.parts, metadata.as_ref())?.into_temp_path(), path));
     }
-    for (path, bytes) in devices {
-        let written =
-            fs::OpenOptions::new().write(true).open(&path).and_then(|mut file| file.write_all(&bytes));
+    for (path, parts) in devices {
+        let file = fs::OpenOptions::new().write(true).open(&path);
+        let written = file.and_then(|mut file| write_parts(&mut file, &parts));
         written.map_err(|error| AssetError::output(&path, &error, "write"))?;
     }
+    let mut folders = BTreeSet::new();
     for (temporary, path) in ready {
         temporary.persist(&path).map_err(|error| AssetError::output(&path, &error.error, "replace"))?;
+        folders.insert(folder_of(&path).to_path_buf());
+    }
+    for folder in folders {
         // The files stand; whether the folder reaches the disk now or later is no failure of theirs.
-        let _ = File::open(folder_of(&path)).and_then(|folder| folder.sync_all());
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
     }
     Ok(())
 }
@@ -169,8 +175,12 @@ fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> Result<(), AssetError
     Ok(())
 }
 
-/// Writes the bytes to a new file in the folder of `path`.
-fn prepare(path: &Path, bytes: &[u8], old: Option<&fs::Metadata>) -> Result<NamedTempFile, AssetError> {
+fn write_parts(file: &mut impl Write, parts: &[Vec<u8>]) -> std::io::Result<()> {
+    parts.iter().try_for_each(|part| file.write_all(part))
+}
+
+/// Writes the parts to a new file in the folder of `path`.
+fn prepare(path: &Path, parts: &[Vec<u8>], old: Option<&fs::Metadata>) -> Result<NamedTempFile, AssetError> {
     let fail = |error: &std::io::Error| AssetError::output(path, error, "write");
     let folder = folder_of(path);
     if !folder.is_dir() {
@@ -185,7 +195,7 @@ fn prepare(path: &Path, bytes: &[u8], old: Option<&fs::Metadata>) -> Result<Name
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).map_err(|error| fail(&error))?;
-    file.write_all(bytes).and_then(|()| file.flush()).map_err(|error| fail(&error))?;
+    write_parts(&mut file, parts).and_then(|()| file.flush()).map_err(|error| fail(&error))?;
     if let Some(old) = old {
         if old.permissions().readonly() {
             return Err(refused(path, "a file that is read-only", "one that may be replaced"));
@@ -282,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_spool_writes_more_files_than_may_be_open() {
-        const MANY: usize = 3000;
+        const MANY: usize = 1100;
         let folder = tempfile::tempdir().unwrap();
         let at = |k: usize| folder.path().join(format!("new/{k}"));
         let mut spool = Spool::new().unwrap();

@@ -1,5 +1,6 @@
 //! Topology of a primitive: which of its vertices make triangles.
 
+use crate::accessor::{Accessor, Component};
 use crate::document::Gltf;
 use crate::error::{AssetError, Warning};
 use crate::json::Json;
@@ -51,6 +52,17 @@ impl Gltf {
         warnings: &mut Vec<Warning>,
     ) -> Result<Vec<[u32; 3]>, AssetError> {
         let mode = Mode::read(primitive)?;
+        let accessor = self.index_accessor(primitive)?.filter(|_| mode == Mode::Triangles);
+        if let Some(grouped) = accessor.and_then(|accessor| accessor.grouped::<3>()) {
+            budget.charge(Of::Indices, 3 * grouped.count as u64, || grouped.json.place())?;
+            let mut out = grouped.uints::<3>(budget)?;
+            check_indices(&grouped, out.as_flattened(), count)?;
+            let number = out.len();
+            budget.charge(Of::ExpandedBytes, (number as u64).saturating_mul(12), || primitive.place())?;
+            out.retain(|&triangle| distinct(triangle));
+            warn_of_dropped(number - out.len(), primitive, warnings);
+            return Ok(out);
+        }
         let indices = self.indices(primitive, count, budget)?;
         let length = indices.as_ref().map_or(count, Vec::len);
         let at = |i: usize| indices.as_ref().map_or(i as u32, |indices| indices[i]);
@@ -72,10 +84,9 @@ impl Gltf {
             Mode::TriangleFan => triangle(i + 1, i + 2, 0),
             _ => triangle(3 * i, 3 * i + 1, 3 * i + 2),
         });
-        out.extend(all.filter(|[a, b, c]| a != b && b != c && c != a));
-        if mode == Mode::Triangles && out.len() < number {
-            let message = format!("{} triangles name a vertex twice; they are left out", number - out.len());
-            warnings.push(Warning::new("zero-area", primitive.place(), message));
+        out.extend(all.filter(|&triangle| distinct(triangle)));
+        if mode == Mode::Triangles {
+            warn_of_dropped(number - out.len(), primitive, warnings);
         }
         Ok(out)
     }
@@ -87,34 +98,57 @@ impl Gltf {
         count: usize,
         budget: &mut Budget,
     ) -> Result<Option<Vec<u32>>, AssetError> {
-        let Some(reference) = primitive.get("indices")? else {
+        let Some(accessor) = self.index_accessor(primitive)? else {
             budget.charge(Of::Indices, count as u64, || primitive.place())?;
             return Ok(None);
         };
-        let accessor = self.accessor(reference)?;
-        let restart = match accessor.component.size() {
-            _ if accessor.normalized || accessor.lanes != 1 => None,
-            1 => Some(u32::from(u8::MAX)),
-            2 => Some(u32::from(u16::MAX)),
-            _ => Some(u32::MAX),
-        };
-        let unsigned = matches!(
-            accessor.component,
-            crate::accessor::Component::U8
-                | crate::accessor::Component::U16
-                | crate::accessor::Component::U32
-        );
-        let Some(restart) = restart.filter(|_| unsigned) else {
-            return Err(accessor.json.found("an accessor of another type", "indices: unsigned scalars"));
-        };
         budget.charge(Of::Indices, accessor.count as u64, || accessor.json.place())?;
-        let indices: Vec<u32> = accessor.uints::<1>(budget)?.into_iter().map(|[i]| i).collect();
-        if let Some(k) = indices.iter().position(|&i| i as usize >= count || i == restart) {
-            return Err(accessor.json.found(
-                format!("index {} at element {k}", indices[k]),
-                format!("indices below {count}, the number of vertices"),
-            ));
-        }
+        let indices = accessor.uints::<1>(budget)?.into_flattened();
+        check_indices(&accessor, &indices, count)?;
         Ok(Some(indices))
+    }
+
+    /// The accessor of the indices of a primitive, if it has any: unsigned scalars.
+    fn index_accessor<'a>(&'a self, primitive: Json<'_>) -> Result<Option<Accessor<'a>>, AssetError> {
+        let Some(reference) = primitive.get("indices")? else { return Ok(None) };
+        let accessor = self.accessor(reference)?;
+        let unsigned = matches!(accessor.component, Component::U8 | Component::U16 | Component::U32);
+        if !unsigned || accessor.normalized || accessor.lanes != 1 {
+            return Err(accessor.json.found("an accessor of another type", "indices: unsigned scalars"));
+        }
+        Ok(Some(accessor))
+    }
+}
+
+/// Checks that all indices are below `count` and none is the largest of its type, which restarts primitives.
+fn check_indices(accessor: &Accessor<'_>, indices: &[u32], count: usize) -> Result<(), AssetError> {
+    let restart = match accessor.component.size() {
+        1 => u32::from(u8::MAX),
+        2 => u32::from(u16::MAX),
+        _ => u32::MAX,
+    };
+    let bad = |i: u32| i as usize >= count || i == restart;
+    // Most have no bad one, and the largest is found many at a time.
+    if indices.iter().copied().max().is_none_or(|largest| !bad(largest)) {
+        return Ok(());
+    }
+    match indices.iter().position(|&i| bad(i)) {
+        None => Ok(()),
+        Some(k) => Err(accessor.json.found(
+            format!("index {} at element {k}", indices[k]),
+            format!("indices below {count}, the number of vertices"),
+        )),
+    }
+}
+
+fn distinct([a, b, c]: [u32; 3]) -> bool {
+    a != b && b != c && c != a
+}
+
+/// Tells of triangles that name a vertex twice.
+fn warn_of_dropped(number: usize, primitive: Json<'_>, warnings: &mut Vec<Warning>) {
+    if number > 0 {
+        let message = format!("{number} triangles name a vertex twice; they are left out");
+        warnings.push(Warning::new("zero-area", primitive.place(), message));
     }
 }

@@ -1,8 +1,10 @@
 //! The rest geometry of a document: what its scene shows before the effect, in world space, and the way back from
 //! the world to the space of each mesh.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use wirework_surface::{Corner, Mesh};
@@ -12,7 +14,7 @@ use crate::document::Gltf;
 use crate::error::{AssetError, ErrorClass, Warning};
 use crate::graph::{Graph, floats};
 use crate::json::Json;
-use crate::limits::{Budget, Of, reserve};
+use crate::limits::{Budget, Of};
 use crate::primitive::Mode;
 use crate::skin::{Influences, Skin};
 use crate::tangent;
@@ -84,11 +86,16 @@ pub struct Part {
     pub triangle_count: usize,
 }
 
-/// The linear parts of the transforms of a block.
+/// The transforms of a block.
 #[derive(Clone, Debug)]
 enum Frame {
     Node(Way),
-    Skin(Vec<Way>),
+    /// Those of vertices are blended when they are needed: to keep them takes six times the memory of their shares.
+    Skin {
+        influences: Influences,
+        joints: Arc<[DAffine3]>,
+        mirrored: bool,
+    },
 }
 
 /// Displacements of a block in the space of its mesh.
@@ -128,18 +135,17 @@ impl Gltf {
             let joints = match graph.nodes[node].skin {
                 None => None,
                 Some(index) => Some(match skins.entry(index) {
-                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Occupied(known) => &*known.into_mut(),
                     Entry::Vacant(place) => {
                         let json = self.root().need("skins")?.item(index)?;
                         let nodes = graph.nodes.len();
                         let skin = Skin::read(self, json, nodes, &mut budget, &mut rest.warnings)?;
                         let mut matrices = Vec::new();
                         skin.matrices_into(&graph.world, &mut matrices);
-                        place.insert(matrices)
+                        &*place.insert(Arc::from(matrices))
                     }
                 }),
             };
-            let joints = joints.map(|joints| joints.as_slice());
             let shown = Shown { gltf: self, graph: &graph, node, mesh, joints };
             shown.read(&mut rest, &mut budget)?;
         }
@@ -173,7 +179,7 @@ struct Shown<'a> {
     graph: &'a Graph,
     node: usize,
     mesh: usize,
-    joints: Option<&'a [DAffine3]>,
+    joints: Option<&'a Arc<[DAffine3]>>,
 }
 
 impl Shown<'_> {
@@ -240,10 +246,9 @@ impl Shown<'_> {
                 .of_class(ErrorClass::Limit));
         }
         let attributes = primitive.need("attributes")?;
-        let frame = self.place(&local.positions, attributes, rest, budget)?;
-        let normals = local.normals.as_ref().map(|normals| {
-            normals.iter().enumerate().map(|(v, &n)| frame.way(v).normal(double(n))).collect()
-        });
+        let mut normals = local.normals.clone();
+        let world_normals = normals.as_deref_mut().unwrap_or_default();
+        let frame = self.place(local.positions, world_normals, attributes, rest, budget)?;
         let tangents = local_tangents.as_ref().map(|tangents| {
             tangents.iter().enumerate().map(|(v, &t)| frame.way(v).tangent(double(t))).collect()
         });
@@ -267,10 +272,12 @@ impl Shown<'_> {
         Ok(())
     }
 
-    /// Appends the world positions of vertices.
+    /// Appends the world positions of vertices, in place of `local` where they are the first, and takes their normals
+    /// to the world.
     fn place(
         &self,
-        local: &[[f32; 3]],
+        mut local: Vec<[f32; 3]>,
+        normals: &mut [[f32; 3]],
         attributes: Json<'_>,
         rest: &mut Rest,
         budget: &mut Budget,
@@ -278,23 +285,39 @@ impl Shown<'_> {
         let fault = |found: &str| {
             AssetError::new(attributes.place(), found, "vertices in the range of floats that fit into memory")
         };
-        rest.positions.try_reserve(local.len()).map_err(|_| fault("more vertices than fit"))?;
-        let Some(joints) = self.joints else {
-            let matrix = &self.graph.world[self.node];
-            for &p in local {
-                rest.positions.push(place(matrix, double(p)).map_err(fault)?);
-            }
-            return Ok(Frame::Node(Way::new(matrix)));
-        };
-        let (count, warnings) = (local.len(), &mut rest.warnings);
-        let influences = Influences::read(self.gltf, attributes, count, joints.len(), budget, warnings)?;
-        let mut ways = reserve(count)?;
-        for (v, &p) in local.iter().enumerate() {
-            let matrix = influences.matrix(v, joints);
-            rest.positions.push(place(&matrix, double(p)).map_err(fault)?);
-            ways.push(Way::new(&matrix));
+        if !rest.positions.is_empty() {
+            rest.positions.try_reserve(local.len()).map_err(|_| fault("more vertices than fit"))?;
         }
-        Ok(Frame::Skin(ways))
+        let frame = if let Some(joints) = self.joints {
+            let (count, warnings) = (local.len(), &mut rest.warnings);
+            let influences = Influences::read(self.gltf, attributes, count, joints.len(), budget, warnings)?;
+            let mut turns = 0;
+            for (v, p) in local.iter_mut().enumerate() {
+                let matrix = influences.matrix(v, joints);
+                *p = place(&matrix, double(*p)).map_err(fault)?;
+                turns += handedness(&matrix.matrix3.transpose());
+                if let Some(normal) = normals.get_mut(v) {
+                    *normal = Way::new(&matrix).normal(double(*normal));
+                }
+            }
+            Frame::Skin { influences, joints: Arc::clone(joints), mirrored: turns < 0 }
+        } else {
+            let matrix = &self.graph.world[self.node];
+            let way = Way::new(matrix);
+            for p in &mut local {
+                *p = place(matrix, double(*p)).map_err(fault)?;
+            }
+            for n in normals {
+                *n = way.normal(double(*n));
+            }
+            Frame::Node(way)
+        };
+        if rest.positions.is_empty() {
+            rest.positions = local;
+        } else {
+            rest.positions.append(&mut local);
+        }
+        Ok(frame)
     }
 
     fn part(
@@ -308,11 +331,11 @@ impl Shown<'_> {
         let (first, count) = (rest.blocks[block].first, rest.blocks[block].count);
         let mut triangles = self.gltf.triangles(primitive, count, budget, &mut rest.warnings)?;
         let mirrored = rest.blocks[block].frame.mirrored();
-        for triangle in &mut triangles {
-            for corner in triangle.iter_mut() {
-                *corner += first as u32;
-            }
-            if mirrored {
+        if first > 0 {
+            triangles.as_flattened_mut().iter_mut().for_each(|corner| *corner += first as u32);
+        }
+        if mirrored {
+            for triangle in &mut triangles {
                 triangle.swap(1, 2);
             }
         }
@@ -328,7 +351,11 @@ impl Shown<'_> {
             first_triangle: rest.triangles.len(),
             triangle_count: triangles.len(),
         });
-        rest.triangles.append(&mut triangles);
+        if rest.triangles.is_empty() {
+            rest.triangles = triangles;
+        } else {
+            rest.triangles.append(&mut triangles);
+        }
         Ok(())
     }
 }
@@ -355,21 +382,25 @@ pub(crate) fn default_weights(
 }
 
 impl Frame {
-    fn way(&self, vertex: usize) -> &Way {
+    fn way(&self, vertex: usize) -> Cow<'_, Way> {
         match self {
-            Self::Node(way) => way,
-            Self::Skin(ways) => &ways[vertex],
+            Self::Node(way) => Cow::Borrowed(way),
+            Self::Skin { influences, joints, .. } => Cow::Owned(Way::new(&influences.matrix(vertex, joints))),
         }
     }
 
     /// Whether most of it turns right-handed into left-handed, which turns triangles round.
     fn mirrored(&self) -> bool {
-        let sign = |way: &Way| way.transpose.determinant().partial_cmp(&0.0).map_or(0, |order| order as i64);
         match self {
-            Self::Node(way) => sign(way) < 0,
-            Self::Skin(ways) => ways.iter().map(sign).sum::<i64>() < 0,
+            Self::Node(way) => handedness(&way.transpose) < 0,
+            Self::Skin { mirrored, .. } => *mirrored,
         }
     }
+}
+
+/// The sign of the determinant; 0 where there is none.
+fn handedness(matrix: &DMat3) -> i64 {
+    matrix.determinant().partial_cmp(&0.0).map_or(0, |order| order as i64)
 }
 
 impl Rest {
@@ -380,7 +411,7 @@ impl Rest {
     /// skin, is the deformed position, and normal + delta, of length 1, points along the deformed normal. So does tangent + delta
     /// along the tangent; one that is 0 stays as it is.
     pub fn to_local<'a>(
-        &self,
+        &'a self,
         block: usize,
         positions: &[[f32; 3]],
         normals: Option<&'a [[f32; 3]]>,
@@ -393,24 +424,32 @@ impl Rest {
         else {
             return out;
         };
+        let given = |list: Option<&'a [[f32; 3]]>| list.and_then(|list| list.get(range.clone()));
+        let normals = Directions::new(b.normals.as_deref(), b.local_normals.as_deref(), given(normals));
+        let tangents = Directions::new(b.tangents.as_deref(), b.local_tangents.as_deref(), given(tangents));
         out.positions.reserve_exact(b.count);
+        let room = |_: &Directions<'_>| Vec::with_capacity(b.count);
+        out.normals = normals.as_ref().map(room);
+        out.tangents = tangents.as_ref().map(room);
         for (v, (p, q)) in rest.iter().zip(now).enumerate() {
             let delta = double(*q) - double(*p);
-            let local = match b.frame.way(v).inverse {
-                _ if delta == DVec3::ZERO => DVec3::ZERO,
-                Some(inverse) => inverse * delta,
-                None => {
-                    out.stuck += 1;
-                    DVec3::ZERO
-                }
-            };
+            let moves = delta != DVec3::ZERO;
+            let [normal, tangent] = [&normals, &tangents].map(|list| list.as_ref().and_then(|d| d.turned(v)));
+            let way = (moves || normal.is_some() || tangent.is_some()).then(|| b.frame.way(v));
+            let way = way.as_deref();
+            let inverse = way.and_then(|way| way.inverse);
+            out.stuck += usize::from(moves && inverse.is_none());
+            let local = inverse.filter(|_| moves).map_or(DVec3::ZERO, |inverse| inverse * delta);
             out.positions.push(clean(single(local)));
+            // Normals go back by the transpose, what lies along the surface by the inverse.
+            if let Some(list) = &mut out.normals {
+                let back = way.filter(|_| inverse.is_some()).map(|way| way.transpose);
+                list.push(direction_delta(back, normal));
+            }
+            if let Some(list) = &mut out.tangents {
+                list.push(direction_delta(inverse, tangent));
+            }
         }
-        let now = |list: Option<&'a [[f32; 3]]>| list.and_then(|list| list.get(range.clone()));
-        let back = |v| b.frame.way(v).transpose;
-        out.normals = b.turned(b.normals.as_ref(), b.local_normals.as_ref(), now(normals), back);
-        let back = |v| b.frame.way(v).inverse.unwrap_or_default();
-        out.tangents = b.turned(b.tangents.as_ref(), b.local_tangents.as_ref(), now(tangents), back);
         out
     }
 }
@@ -449,26 +488,36 @@ impl Block {
         let uvs = self.tangent_uvs.as_ref().or(self.uvs.as_ref());
         uvs.map(Vec::as_slice).filter(|uvs| uvs.len() == self.count)
     }
+}
 
-    /// What turns the unit directions `base` of the mesh, in the world `rest`, to those that are `now` in the world; `back` takes
-    /// one of a vertex back, but for its length.
-    fn turned(
-        &self,
-        rest: Option<&Vec<[f32; 3]>>,
-        base: Option<&Vec<[f32; 3]>>,
-        now: Option<&[[f32; 3]]>,
-        back: impl Fn(usize) -> DMat3,
-    ) -> Option<Vec<[f32; 3]>> {
-        let all = rest?.iter().zip(base?).zip(now?).enumerate();
-        let delta = |(v, ((rest, base), now)): (usize, ((&[f32; 3], &[f32; 3]), &[f32; 3]))| {
-            let target = (back(v) * double(*now)).normalize_or_zero();
-            if rest == now || self.frame.way(v).inverse.is_none() || target == DVec3::ZERO {
-                return [0.0; 3];
-            }
-            clean(single(target - double(*base)))
-        };
-        Some(all.map(delta).collect())
+/// Unit directions of a block: at rest in the world, in the mesh, and now in the world.
+struct Directions<'a> {
+    rest: &'a [[f32; 3]],
+    base: &'a [[f32; 3]],
+    now: &'a [[f32; 3]],
+}
+
+impl<'a> Directions<'a> {
+    fn new(
+        rest: Option<&'a [[f32; 3]]>,
+        base: Option<&'a [[f32; 3]]>,
+        now: Option<&'a [[f32; 3]]>,
+    ) -> Option<Self> {
+        Some(Self { rest: rest?, base: base?, now: now? })
     }
+
+    /// The direction of a vertex in the mesh, and now in the world; nothing where it is that of the rest.
+    fn turned(&self, v: usize) -> Option<[[f32; 3]; 2]> {
+        let now = *self.now.get(v)?;
+        (*self.rest.get(v)? != now).then_some([*self.base.get(v)?, now])
+    }
+}
+
+/// What to add to a direction of a mesh so that it points, in the world, where it is to; `back` takes one back, but for its length.
+fn direction_delta(back: Option<DMat3>, turned: Option<[[f32; 3]; 2]>) -> [f32; 3] {
+    let (Some(back), Some([base, now])) = (back, turned) else { return [0.0; 3] };
+    let target = (back * double(now)).normalize_or_zero();
+    if target == DVec3::ZERO { [0.0; 3] } else { clean(single(target - double(base))) }
 }
 
 /// Turns `−0` into `0` and what is not finite into 0, so that equal deltas have equal bits.

@@ -1,5 +1,6 @@
 //! A document as files: one `.glb`, or a `.gltf` with what belongs to it.
 
+use std::mem::take;
 use std::path::{Path, PathBuf};
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
@@ -47,6 +48,11 @@ impl Gltf {
     /// `.gltf`. A `.gltf` that becomes a `.glb` takes its buffers and images into one chunk; a `.glb` that becomes a
     /// `.gltf` leaves its chunk in a `.bin`. Files that the document refers to are copied where the folder differs.
     pub fn files(&self, out: &Path, format: Format) -> Result<Vec<OutputFile>, AssetError> {
+        self.clone().into_files(out, format)
+    }
+
+    /// The same of a document that is needed no more: its bytes become those of the files, without a copy.
+    pub fn into_files(mut self, out: &Path, format: Format) -> Result<Vec<OutputFile>, AssetError> {
         let files = match format {
             Format::Glb => self.glb_files(out),
             Format::Gltf => self.gltf_files(out),
@@ -57,31 +63,41 @@ impl Gltf {
     /// The document as one GLB, with all buffers and images in it.
     pub fn to_glb(&self) -> Result<Vec<u8>, AssetError> {
         let (json, bin) = self.embedded();
-        to_glb(&json, bin.as_deref(), &self.chunks).map_err(|error| error.in_file(&self.file))
+        let glb = text_of(&json).and_then(|text| container::assemble(&text, bin.as_deref(), &self.chunks));
+        glb.map_err(|error| error.in_file(&self.file))
     }
 
-    fn glb_files(&self, out: &Path) -> Result<Vec<OutputFile>, AssetError> {
+    /// The files of a GLB; takes the bytes of the buffers.
+    fn glb_files(&mut self, out: &Path) -> Result<Vec<OutputFile>, AssetError> {
         let keeps = self.binary && self.buffers.first().is_none_or(|buffer| buffer.source == Source::Bin);
-        if !keeps {
-            return Ok(vec![OutputFile::new(out, self.to_glb()?)]);
-        }
-        let bin = self.buffers.first().map(|buffer| buffer.bytes.as_slice()).or(self.orphan.as_deref());
-        let mut files = self.copies(out);
-        files.push(OutputFile::new(out, to_glb(&self.json, bin, &self.chunks)?));
+        let mut files = Vec::new();
+        let embedded;
+        let (json, bin) = if keeps {
+            files = self.copies(out);
+            let bin = self.buffers.first_mut().map(|buffer| take(&mut buffer.bytes)).or(self.orphan.take());
+            (&self.json, bin)
+        } else {
+            embedded = self.embedded();
+            (&embedded.0, embedded.1)
+        };
+        let (before, after) = container::around(&text_of(json)?, bin.as_ref().map(Vec::len), &self.chunks)?;
+        let parts = [Some(before), bin, Some(after)].into_iter().flatten().collect();
+        files.push(OutputFile { parts, ..OutputFile::new(out, Vec::new()) });
         Ok(files)
     }
 
-    fn gltf_files(&self, out: &Path) -> Result<Vec<OutputFile>, AssetError> {
+    /// The files of a `.gltf`; takes the bytes of the buffers that are written.
+    fn gltf_files(&mut self, out: &Path) -> Result<Vec<OutputFile>, AssetError> {
         let mut json = self.json.clone();
         let mut files = self.copies(out);
         let stem =
             out.file_stem().map_or_else(|| "out".to_owned(), |stem| stem.to_string_lossy().into_owned());
         let taken: Vec<PathBuf> = self.references().into_iter().map(|(path, _)| path).collect();
-        for (index, buffer) in self.buffers.iter().enumerate() {
+        for (index, buffer) in self.buffers.iter_mut().enumerate() {
             let stem = match buffer.source {
                 Source::Bin => stem.clone(),
                 Source::New => format!("{stem}_wirework"),
-                Source::Data | Source::File => continue,
+                Source::Data | Source::File | Source::Fallback => continue,
             };
             let numbered = (2_usize..).map(|n| format!("{stem}_{n}.bin"));
             let mut names = std::iter::once(format!("{stem}.bin")).chain(numbered);
@@ -90,7 +106,8 @@ impl Gltf {
             {
                 entry.insert("uri".to_owned(), json!(utf8_percent_encode(&name, ESCAPED).to_string()));
             }
-            files.push(OutputFile::new(out.with_file_name(name), buffer.bytes[..buffer.length].to_vec()));
+            buffer.bytes.truncate(buffer.length);
+            files.push(OutputFile::new(out.with_file_name(name), take(&mut buffer.bytes)));
         }
         let mut text =
             serde_json::to_vec_pretty(&json).map_err(|error| AssetError::file(error.to_string(), "JSON"))?;
@@ -135,7 +152,7 @@ impl Gltf {
                 continue;
             }
             if let Ok(bytes) = uri::read_below(from, &relative, &mut budget) {
-                files.push(OutputFile { path, bytes, replace: false, folders: true });
+                files.push(OutputFile { replace: false, folders: true, ..OutputFile::new(path, bytes) });
             }
         }
         files
@@ -149,12 +166,19 @@ impl Gltf {
             bin.resize(bin.len().div_ceil(4) * 4, 0);
             bin.len()
         };
+        // Where each buffer goes: into the chunk, from a byte on; one without data stays a buffer of its own.
         let mut starts = Vec::with_capacity(self.buffers.len());
-        for buffer in &self.buffers {
-            starts.push(align(&mut bin));
+        let mut apart = Vec::new();
+        for (buffer, entry) in self.buffers.iter().zip(self.list("buffers")) {
+            if buffer.source == Source::Fallback {
+                apart.push(entry.clone());
+                starts.push((apart.len(), 0));
+                continue;
+            }
+            starts.push((0, align(&mut bin)));
             bin.extend_from_slice(&buffer.bytes[..buffer.length]);
         }
-        if starts.len() > 1 || starts.first().is_some_and(|&start| start > 0) {
+        if starts.len() > 1 || starts.first().is_some_and(|&(_, start)| start > 0) {
             for view in json.get_mut("bufferViews").and_then(Value::as_array_mut).into_iter().flatten() {
                 move_view(view, &starts);
                 for extension in VIEW_EXTENSIONS {
@@ -186,10 +210,12 @@ impl Gltf {
         if bin.is_empty() {
             return (json, None);
         }
-        let mut first = self.list("buffers").first().and_then(Value::as_object).cloned().unwrap_or_default();
+        let first = self.buffers.iter().zip(self.list("buffers")).find(|(b, _)| b.source != Source::Fallback);
+        let mut first = first.and_then(|(_, entry)| entry.as_object()).cloned().unwrap_or_default();
         first.shift_remove("uri");
         first.insert("byteLength".to_owned(), json!(bin.len()));
-        json["buffers"] = json!([first]);
+        let all: Vec<Value> = std::iter::once(Value::Object(first)).chain(apart).collect();
+        json["buffers"] = Value::Array(all);
         (json, Some(bin))
     }
 
@@ -202,15 +228,16 @@ impl Gltf {
     }
 }
 
-/// Lets a view refer to the one buffer. One that no buffer can hold, of which reading warned, stays as it is.
-fn move_view(view: &mut Value, starts: &[usize]) {
-    let Some(start) = view.get("buffer").and_then(whole).and_then(|buffer| starts.get(buffer)) else {
+/// Lets a view refer to where its buffer has gone. One that no buffer can hold, of which reading warned, stays as it is.
+fn move_view(view: &mut Value, starts: &[(usize, usize)]) {
+    let Some((place, start)) = view.get("buffer").and_then(whole).and_then(|buffer| starts.get(buffer))
+    else {
         return;
     };
     let offset = view.get("byteOffset").and_then(whole).unwrap_or(0);
     let Some(moved) = offset.checked_add(*start) else { return };
     if let Some(view) = view.as_object_mut() {
-        view.insert("buffer".to_owned(), json!(0));
+        view.insert("buffer".to_owned(), json!(place));
         if *start > 0 {
             view.insert("byteOffset".to_owned(), json!(moved));
         }
@@ -228,7 +255,6 @@ fn push(json: &mut Value, key: &str, value: Value) -> usize {
     }
 }
 
-fn to_glb(json: &Value, bin: Option<&[u8]>, chunks: &[u8]) -> Result<Vec<u8>, AssetError> {
-    let text = serde_json::to_vec(json).map_err(|error| AssetError::file(error.to_string(), "JSON"))?;
-    container::assemble(&text, bin, chunks)
+fn text_of(json: &Value) -> Result<Vec<u8>, AssetError> {
+    serde_json::to_vec(json).map_err(|error| AssetError::file(error.to_string(), "JSON"))
 }

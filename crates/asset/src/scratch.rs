@@ -53,6 +53,7 @@ impl Gltf {
         limits.check_mesh(vertices, indices).map_err(|error| error.in_file(name))?;
         let generator = concat!("wirework ", env!("CARGO_PKG_VERSION"));
         let mut gltf = Self {
+            undecoded: std::collections::BTreeMap::new(),
             file: name.to_owned(),
             folder: None,
             json: json!({

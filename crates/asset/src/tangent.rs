@@ -24,8 +24,8 @@ impl Gltf {
         let mappings = primitive.pointer("/extensions/KHR_materials_variants/mappings");
         let offered = mappings.and_then(Value::as_array).into_iter().flatten();
         let materials = std::iter::once(primitive).chain(offered).filter_map(|holder| holder.get("material"));
-        let materials = materials.filter_map(|material| self.list("materials").get(whole(material)?));
-        materials.filter_map(set_of).next()
+        let mut materials = materials.filter_map(|material| self.list("materials").get(whole(material)?));
+        materials.find_map(set_of)
     }
 }
 

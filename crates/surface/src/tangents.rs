@@ -1,13 +1,13 @@
 //! Tangents that follow a deformation, for normal maps.
 //!
 //! A normal map is painted in a frame of normal, tangent and bitangent that its painter and its renderer must both have;
-//! the frame nearly all of them have is that of MikkTSpace (Mikkelsen, *Simulation of Wrinkled Surfaces Revisited*, 2008):
+//! the frame nearly all of them have is that of `MikkTSpace` (Mikkelsen, *Simulation of Wrinkled Surfaces Revisited*, 2008):
 //! the direction in which `u` grows on a triangle, `∂P/∂u = (Δv₂·e₁ − Δv₁·e₂) / (Δu₁Δv₂ − Δu₂Δv₁)`, is laid into the plane
 //! of the vertex's normal at each corner, made a unit vector, weighted by the corner's angle, and summed round the vertex.
 //!
 //! Here that sum moves what the author has. Vertices of one position, normal and tangent form a *group*; a group has a
 //! computed tangent at rest and one now, and its new tangent stands to normal and computed tangent of now as the old
-//! one did to those of the rest. So where the author's tangents are MikkTSpace's, they stay MikkTSpace's; others,
+//! one did to those of the rest. So where the author's tangents are Mikkelsen's, they stay Mikkelsen's; others,
 //! such as those of turned texture coordinates, keep their angle to it. A rigid motion turns tangents exactly, what has
 //! not moved keeps its bits, and a group shares its tangent bit for bit. Lengths and angles to the normal stay as well:
 //! a unit tangent perpendicular to its normal is one afterwards. Handedness is no part of it: a continuous deformation
@@ -15,13 +15,13 @@
 //!
 //! # Deviations
 //!
-//! - MikkTSpace joins vertices of one position, normal and texture coordinates, then parts them by handedness. Groups know
+//! - `MikkTSpace` joins vertices of one position, normal and texture coordinates, then parts them by handedness. Groups know
 //!   neither: where both sides of a texture seam or of a mirrored texture have one tangent at rest they have one afterwards.
 //! - Angles are those of the rest, as for normals: no arc cosine a frame.
 //!
 //! # Notes
 //!
-//! Running MikkTSpace itself each frame was tried, by the crate `bevy_mikktspace`, which is the oracle of the tests: it is
+//! Running `MikkTSpace` itself each frame was tried, by the crate `bevy_mikktspace`, which is the oracle of the tests: it is
 //! serial, welds anew what has not changed, and its result belongs to corners, not vertices. On a sphere of half a million
 //! vertices (one thread of a virtual core) it took 11 s a frame, this 0.30 s, [`Normals`](crate::Normals) 0.092 s. At rest both
 //! agree to 0.01 degrees; on a torus, a sphere and a capped tube bent, twisted or waved, so that tangents turn by 30 to 140

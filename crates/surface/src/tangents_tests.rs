@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::{Corner, Mesh, Normals, NormalsBuffer, VertexMesh, sphere, tube};
 
-/// Vertices with tangents that MikkTSpace made.
+/// Vertices with tangents that `MikkTSpace` made.
 struct Model {
     mesh: VertexMesh,
     uvs: Vec<[f32; 2]>,
@@ -75,7 +75,7 @@ impl bevy_mikktspace::Geometry for Faces<'_> {
     }
 }
 
-/// The mean of MikkTSpace's tangents over the corners of each vertex.
+/// The tangents of `MikkTSpace`, their mean over the corners of each vertex.
 fn mikktspace(
     mesh: &VertexMesh,
     uvs: &[[f32; 2]],

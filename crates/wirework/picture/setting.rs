@@ -12,6 +12,7 @@ use crate::output::Scene;
 use crate::picture::show::Show;
 use crate::picture::{PictureJob, Shown};
 use crate::source::{Source, parts, refused};
+use crate::subject::Origin;
 use crate::{JobError, Model, Subject};
 
 /// A model at rest and the effect that is to move it.
@@ -100,7 +101,7 @@ impl Setting {
 
     /// The error that there is nothing to see.
     pub(crate) fn nothing(&self) -> JobError {
-        JobError::NothingToSee { file: self.file.clone(), own: self.basis.own }
+        JobError::NothingToSee { file: self.file.clone(), own: self.basis.origin == Origin::Preset }
     }
 
     /// Refuses to write over what is read.
