@@ -168,7 +168,7 @@ pub(crate) struct Render {
     /// What that camera looks at. Default: the middle of what is shown
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
     pub(crate) target: Option<[f32; 3]>,
-    /// Nearer by this factor
+    /// Larger by this factor, through a longer lens; below 1 the camera steps back
     #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) zoom: Option<f64>,
     /// Draw wires, references, domain curves, locators and lattices, with a legend

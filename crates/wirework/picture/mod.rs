@@ -48,7 +48,7 @@ pub struct Viewpoint {
     pub eye: Option<[f32; 3]>,
     /// What a camera with an `eye` looks at, metres. Default the middle of what is shown.
     pub target: Option<[f32; 3]>,
-    /// Nearer by this factor, > 0. Default none: 1.
+    /// Larger by this factor, > 0: a longer lens from the same place; below 1 the camera steps back. Default none: 1.
     pub zoom: Option<f32>,
 }
 
