@@ -17,7 +17,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adjacency;
 mod bounds;
+mod geodesic;
 mod mesh;
 mod nearest;
 mod normals;
@@ -31,6 +33,7 @@ mod vector;
 mod vertex_mesh;
 
 pub use bounds::Bounds;
+pub use geodesic::{Step, Stop, Terrain, Walker};
 pub use mesh::{Corner, Mesh, MeshError};
 pub use nearest::{Nearest, NearestError, SurfacePoint};
 pub use normals::{Normals, NormalsBuffer, NormalsError};
