@@ -84,9 +84,9 @@ impl EffectMasks {
     }
 
     /// What multiplies `F` of each of the effect's `count` wires.
-    pub(crate) fn of_wires(&self, count: usize) -> Vec<Option<&[f32]>> {
+    pub(crate) fn of_wires(&self, count: usize) -> Vec<Option<wirework_core::Mask<'_>>> {
         let own = |wire| self.wires.get(wire).map_or(self.of_effect(), Option::as_deref);
-        (0..count).map(own).collect()
+        (0..count).map(|wire| own(wire).map(wirework_core::Mask::Dense)).collect()
     }
 }
 

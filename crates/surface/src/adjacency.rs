@@ -21,6 +21,8 @@ pub(crate) struct Adjacency {
     /// Where the triangles of each place start in `fans`.
     starts: Vec<u32>,
     fans: Vec<u32>,
+    /// Vertices that are not the first at their place: the place and the vertex, rising.
+    split: Vec<(u32, u32)>,
 }
 
 impl Adjacency {
@@ -30,8 +32,11 @@ impl Adjacency {
         let triangles: Vec<[u32; 3]> =
             triangles.iter().map(|triangle| triangle.map(|v| place_of[v as usize])).collect();
         let (starts, fans) = fans(positions.len(), &triangles);
-        let mut adjacency =
-            Self { place_of, across: vec![[BORDER; 3]; triangles.len()], triangles, starts, fans };
+        let second = |(&place, vertex): (&u32, u32)| (place != vertex).then_some((place, vertex));
+        let mut split: Vec<(u32, u32)> = place_of.iter().zip(0..).filter_map(second).collect();
+        split.sort_unstable();
+        let across = vec![[BORDER; 3]; triangles.len()];
+        let mut adjacency = Self { place_of, triangles, across, starts, fans, split };
         for triangle in 0..adjacency.triangles.len() {
             if proper(adjacency.triangles[triangle]) {
                 adjacency.across[triangle] = [0, 1, 2].map(|edge| adjacency.find(triangle as u32, edge));
@@ -49,6 +54,13 @@ impl Adjacency {
     pub(crate) fn fan(&self, place: u32) -> &[u32] {
         let place = place as usize;
         &self.fans[self.starts[place] as usize..self.starts[place + 1] as usize]
+    }
+
+    /// The vertices at a place beside the first.
+    pub(crate) fn split(&self, place: u32) -> &[(u32, u32)] {
+        let start = self.split.partition_point(|(other, _)| *other < place);
+        let count = self.split[start..].partition_point(|(other, _)| *other == place);
+        &self.split[start..start + count]
     }
 
     fn find(&self, triangle: u32, edge: usize) -> u32 {

@@ -30,8 +30,8 @@ const CANCELLED: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub struct Terrain {
     pub(crate) adjacency: Adjacency,
-    positions: Vec<DVec3>,
-    normals: Vec<DVec3>,
+    pub(crate) positions: Vec<DVec3>,
+    pub(crate) normals: Vec<DVec3>,
 }
 
 /// A point of a surface by its material, and where it is.
@@ -120,7 +120,7 @@ impl Terrain {
     }
 
     /// The interpolated unit normal; the triangle's own where that has cancelled. `None` where there is neither.
-    fn normal(&self, triangle: u32, weights: DVec3) -> Option<DVec3> {
+    pub(crate) fn normal(&self, triangle: u32, weights: DVec3) -> Option<DVec3> {
         let [a, b, c] = self.adjacency.triangles[triangle as usize].map(|place| self.normals[place as usize]);
         let normal = a * weights.x + b * weights.y + c * weights.z;
         if normal.length() > CANCELLED {
