@@ -11,7 +11,7 @@
 use glam::DVec3;
 
 use crate::adjacency::{Adjacency, BORDER, CROWDED};
-use crate::smooth::smooth_normals;
+use crate::smooth::{fan_normal, smooth_normals};
 use crate::vector::wide;
 use crate::{NearestError, SurfacePoint};
 
@@ -108,6 +108,101 @@ impl Terrain {
         }
         let heading = flat.normalize();
         Some(Walker { terrain: self, triangle: at.triangle, weights, from: From::Inside, normal, heading })
+    }
+
+    /// How many vertices there are.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// The edges of a triangle, each from a corner to the next; none for a triangle that is not there.
+    pub fn edges(&self, triangle: u32) -> impl Iterator<Item = [f64; 3]> {
+        let corners = self.adjacency.triangles.get(triangle as usize).map(|_| self.corners(triangle));
+        corners.into_iter().flat_map(|c| [0, 1, 2].map(|i| (c[(i + 1) % 3] - c[i]).to_array()))
+    }
+
+    /// The shell of each vertex: those that faces connect have one number. A vertex without faces has [`u32::MAX`].
+    pub fn shells(&self) -> Vec<u32> {
+        let mut shells = vec![u32::MAX; self.positions.len()];
+        let (mut next, mut stack) = (0, Vec::new());
+        for place in 0..shells.len() as u32 {
+            if shells[place as usize] != u32::MAX || self.adjacency.fan(place).is_empty() {
+                continue;
+            }
+            shells[place as usize] = next;
+            stack.push(place);
+            while let Some(place) = stack.pop() {
+                let corners = self.adjacency.fan(place).iter();
+                for corner in corners.flat_map(|&triangle| self.adjacency.triangles[triangle as usize]) {
+                    if shells[corner as usize] == u32::MAX {
+                        shells[corner as usize] = next;
+                        stack.push(corner);
+                    }
+                }
+            }
+            next += 1;
+        }
+        for (vertex, &place) in self.adjacency.place_of.iter().enumerate() {
+            shells[vertex] = shells[place as usize];
+        }
+        shells
+    }
+
+    /// A point that was found on the surface.
+    pub fn step(&self, at: &SurfacePoint) -> Step {
+        let weights = DVec3::from(at.barycentric.map(f64::from));
+        // Rounded to f32 the weights add up to 1 only nearly, which far from the origin would be seen.
+        let weights = (weights / weights.element_sum()).to_array();
+        Step { triangle: at.triangle, weights, position: wide(at.position).to_array() }
+    }
+
+    /// The outward unit normal at a point of the surface, between those of the vertices; the triangle's own where these cancel,
+    /// `None` where that has no area either.
+    pub fn normal_at(&self, step: &Step) -> Option<[f64; 3]> {
+        self.normal(step.triangle, DVec3::from(step.weights)).map(|normal| normal.to_array())
+    }
+
+    /// A point in the plane of a triangle as a point of the triangle; `None` where that has no area.
+    pub fn within(&self, triangle: u32, point: [f64; 3]) -> Option<Step> {
+        let corners = self.corners(triangle);
+        let facet = Facet::new(corners)?;
+        let weights = facet.rates(DVec3::from(point) - corners[0]) + DVec3::X;
+        let weights = weights.max(DVec3::ZERO);
+        let weights = weights / weights.element_sum();
+        let position = self.position(triangle, weights).to_array();
+        Some(Step { triangle, weights: weights.to_array(), position })
+    }
+
+    /// Where a point of the surface is, and its normal, when the vertices have moved to `positions`; `None` where it has no
+    /// normal, or vertices are missing.
+    pub fn moved(
+        &self,
+        triangle: u32,
+        weights: [f64; 3],
+        positions: &[[f32; 3]],
+    ) -> Option<([f64; 3], [f64; 3])> {
+        let corners = *self.adjacency.triangles.get(triangle as usize)?;
+        let (mut position, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+        for (place, weight) in corners.into_iter().zip(weights) {
+            position += wide(*positions.get(place as usize)?) * weight;
+            normal += self.normal_of(place, positions) * weight;
+        }
+        if normal.length() <= CANCELLED {
+            let [a, b, c] = corners.map(|place| positions.get(place as usize).copied().map(wide));
+            normal = (b? - a?).cross(c? - a?);
+        }
+        Some((position.to_array(), normal.try_normalize()?.to_array()))
+    }
+
+    /// The normal of a place when the vertices have moved: that of [`smooth_normals`].
+    fn normal_of(&self, place: u32, positions: &[[f32; 3]]) -> DVec3 {
+        let fan = self.adjacency.fan(place).iter();
+        fan_normal(fan.filter_map(|&triangle| {
+            let corners = self.adjacency.triangles[triangle as usize];
+            let k = corners.iter().position(|&corner| corner == place)?;
+            let at = |i: usize| positions.get(corners[i] as usize).copied().map(wide);
+            Some(([at(0)?, at(1)?, at(2)?], k))
+        }))
     }
 
     fn corners(&self, triangle: u32) -> [DVec3; 3] {

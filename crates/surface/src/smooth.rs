@@ -61,6 +61,18 @@ pub fn smooth_normals(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f3
     group.iter().map(normal).collect()
 }
 
+/// The smooth unit normal where triangles meet in one of their corners, each with which corner it is; zero where there is none.
+pub(crate) fn fan_normal(fan: impl Iterator<Item = ([DVec3; 3], usize)>) -> DVec3 {
+    let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+    for (corners, corner) in fan {
+        let Some(normal) = face_normal(corners) else { continue };
+        let angle = angles(corners)[corner];
+        sum += normal * angle;
+        weight += angle;
+    }
+    if sum.length() > NO_SIDE * weight { sum.normalize_or_zero() } else { DVec3::ZERO }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
