@@ -2,7 +2,7 @@
 //!
 //! What can be done once is: points are bound when the evaluation is made, creases are laid then. Each effect works on the
 //! result of the one before; it is bound again only where that result has changed. Its creases are laid once all the same,
-//! on that result at 0 s, and stay on the same material of what moves below them.
+//! on that result at 0 s, and stay on the same material of what moves below them; those that travel do so over that material.
 //!
 //! `units: Bounds` are parts of the object at rest, for all effects of a list alike. A lattice stays where it is, whatever the
 //! effects before it have done to the object.
@@ -150,7 +150,7 @@ impl<'a> Evaluation<'a> {
         let mut stages: Vec<Stage> = effects.iter().zip(masks).enumerate().map(stage).collect();
         let mut spent = Spent::default();
         if let Some(first) = stages.first_mut() {
-            first.bind(0.0, points, triangles, &mut spent)?;
+            first.follow(0.0, points, triangles, &mut spent)?;
         }
         let mut new = Self { points, triangles, stages, base: Vec::new(), spent, warnings };
         if new.stages.len() > 1 {
@@ -158,6 +158,11 @@ impl<'a> Evaluation<'a> {
             // Nobody has asked for a moment yet.
             new.spent.deform = Duration::ZERO;
             new.stages.iter_mut().for_each(|stage| stage.reached = false);
+        }
+        let number =
+            |index: usize| if effects.len() > 1 { format!("effect {index}: ") } else { String::new() };
+        for (index, stage) in new.stages.iter().enumerate() {
+            new.warnings.extend(stage.warnings().iter().map(|warning| format!("{}{warning}", number(index))));
         }
         Ok(new)
     }
@@ -168,11 +173,13 @@ impl<'a> Evaluation<'a> {
             return Err(EvaluateError::PointCount { points: self.points.len(), found: out.len() });
         }
         for (index, stage) in self.stages.iter_mut().enumerate() {
+            let mut base = self.points;
             if index > 0 {
                 self.base.clear();
                 self.base.extend_from_slice(out);
-                stage.follow(seconds, &self.base, self.triangles, &mut self.spent)?;
+                base = &self.base;
             }
+            stage.follow(seconds, base, self.triangles, &mut self.spent)?;
             stage.deform(seconds, out, &mut self.spent)?;
         }
         Ok(())

@@ -4,9 +4,10 @@ use std::time::Instant;
 
 use wirework_core::{BindError, Binding, Blend, Lattice, LatticeBinding, Wire};
 use wirework_preset::{Action, BoundsFrame, Effect};
-use wirework_wrinkle::{Creases, SurfaceView, creases};
+use wirework_surface::Near;
+use wirework_wrinkle::{Creases, SurfaceView, WrinkleWarning, creases};
 
-use crate::mask::EffectMasks;
+use crate::mask::{EffectMasks, WireMask};
 use crate::weld::bits;
 use crate::{EvaluateError, Spent};
 
@@ -19,10 +20,9 @@ pub(crate) struct Stage {
     blend: Blend,
     masks: EffectMasks,
     pub(crate) wires: Vec<Wire>,
-    /// The creases as they were laid at 0 s.
-    laid: Option<Creases>,
-    /// The creases where they are now, if the surface moves.
-    moved: Option<Creases>,
+    creases: Option<Creases>,
+    /// What each crease may move.
+    near: Vec<Near>,
     /// Of the points, or else of the lattice's control points.
     binding: Option<Binding>,
     lattice: Option<Ffd>,
@@ -55,8 +55,8 @@ impl Stage {
             blend,
             masks,
             wires: Vec::new(),
-            laid: None,
-            moved: None,
+            creases: None,
+            near: Vec::new(),
             binding: None,
             lattice: lattice.map(ffd),
             bound_to: Vec::new(),
@@ -64,7 +64,8 @@ impl Stage {
         }
     }
 
-    /// Binds the effect to `base`, what it works on at `seconds`; does nothing where it is bound to that already.
+    /// Binds the effect to `base`, what it works on at `seconds`; does nothing where it is bound to that already and its references
+    /// stay. What the first effect works on never changes.
     pub(crate) fn follow(
         &mut self,
         seconds: f64,
@@ -73,19 +74,23 @@ impl Stage {
         spent: &mut Spent,
     ) -> Result<(), EvaluateError> {
         let same = |(a, b): (&[f32; 3], &[f32; 3])| bits(*a) == bits(*b);
-        if self.binding.is_some()
-            && self.bound_to.len() == base.len()
-            && self.bound_to.iter().zip(base).all(same)
-        {
-            return Ok(());
+        let settled = self.index == 0
+            || (self.bound_to.len() == base.len() && self.bound_to.iter().zip(base).all(same));
+        match &mut self.binding {
+            Some(_) if settled && !self.creases.as_ref().is_some_and(Creases::moves) => Ok(()),
+            Some(_) if settled => self.walk(seconds, base, triangles, spent),
+            _ => {
+                self.bind(seconds, base, triangles, spent)?;
+                if self.index > 0 {
+                    self.bound_to.clear();
+                    self.bound_to.extend_from_slice(base);
+                }
+                Ok(())
+            }
         }
-        self.bind(seconds, base, triangles, spent)?;
-        self.bound_to.clear();
-        self.bound_to.extend_from_slice(base);
-        Ok(())
     }
 
-    pub(crate) fn bind(
+    fn bind(
         &mut self,
         seconds: f64,
         points: &[[f32; 3]],
@@ -94,19 +99,13 @@ impl Stage {
     ) -> Result<(), EvaluateError> {
         let start = Instant::now();
         let effect = self.index;
-        if let Action::Wrinkle(wrinkle) = &self.action {
-            let surface = SurfaceView { positions: points, triangles };
-            let fail = |error| EvaluateError::Wrinkle { effect, error };
-            match &self.laid {
-                None => self.laid = Some(creases(&surface, wrinkle).map_err(fail)?),
-                Some(laid) => self.moved = Some(laid.moved(&surface).map_err(fail)?),
-            }
-        }
+        self.lay(seconds, points, triangles)?;
         self.move_wires(seconds);
         let fail = |error| EvaluateError::Bind { effect, error };
         match &mut self.lattice {
             None => {
-                let masks = self.masks.of_wires(self.wires.len());
+                let masks = self.masks.of_wires(&self.near, self.wires.len());
+                let masks: Vec<_> = masks.iter().map(WireMask::borrow).collect();
                 self.binding = Some(Binding::masked(&self.wires, points, &masks).map_err(fail)?);
             }
             Some(ffd) => {
@@ -123,6 +122,57 @@ impl Stage {
         Ok(())
     }
 
+    /// Brings creases to a moment: lays them, if that is still to be done, and takes them along with the surface.
+    fn lay(
+        &mut self,
+        seconds: f64,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+    ) -> Result<(), EvaluateError> {
+        let Action::Wrinkle(wrinkle) = &self.action else { return Ok(()) };
+        let effect = self.index;
+        let fail = |error| EvaluateError::Wrinkle { effect, error };
+        let surface = SurfaceView { positions, triangles };
+        let laid = self.creases.is_none();
+        let creases = match &mut self.creases {
+            Some(creases) => creases,
+            none => none.insert(creases(&surface, wrinkle).map_err(fail)?),
+        };
+        if !laid || seconds != 0.0 {
+            creases.at(seconds, (!laid && self.index > 0).then_some(&surface)).map_err(fail)?;
+        }
+        if laid || creases.moves() {
+            self.near = creases.near();
+        }
+        Ok(())
+    }
+
+    /// Takes references that move over the surface to where they are at `seconds`, on the points that the effect is bound to.
+    fn walk(
+        &mut self,
+        seconds: f64,
+        points: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        spent: &mut Spent,
+    ) -> Result<(), EvaluateError> {
+        let start = Instant::now();
+        self.lay(seconds, points, triangles)?;
+        let bound = self.wires.len();
+        self.move_wires(seconds);
+        if self.wires.len() != bound {
+            // A border has cut a crease, or no longer does.
+            return self.bind(seconds, points, triangles, spent);
+        }
+        let effect = self.index;
+        let masks = self.masks.of_wires(&self.near, self.wires.len());
+        let masks: Vec<_> = masks.iter().map(WireMask::borrow).collect();
+        if let Some(binding) = &mut self.binding {
+            binding.rebind(&self.wires, &masks).map_err(|error| EvaluateError::Bind { effect, error })?;
+        }
+        spent.bind += start.elapsed();
+        Ok(())
+    }
+
     fn move_wires(&mut self, seconds: f64) {
         match &self.action {
             Action::Deform(deform) if self.wires.is_empty() => {
@@ -134,7 +184,7 @@ impl Stage {
                 }
             }
             Action::Wrinkle(_) => {
-                if let Some(creases) = self.moved.as_ref().or(self.laid.as_ref()) {
+                if let Some(creases) = &self.creases {
                     creases.wires_at(seconds, &mut self.wires);
                 }
             }
@@ -167,6 +217,11 @@ impl Stage {
         spent.deform += start.elapsed();
         self.reached = self.reached || (binding.reaches() && !self.is_empty_lattice());
         Ok(())
+    }
+
+    /// What the creases lack.
+    pub(crate) fn warnings(&self) -> &[WrinkleWarning] {
+        self.creases.as_ref().map_or(&[], Creases::warnings)
     }
 
     /// The lattice's control points along each axis, and where they are.

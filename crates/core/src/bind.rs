@@ -130,13 +130,19 @@ impl Binding {
         Ok(binding)
     }
 
-    /// Puts other masks in the place of those that the wires were bound with; all of these wires are bound anew at the next
-    /// [`Binding::deform_into`]. For wires whose reference moves, and with it where they may act.
-    pub fn remask(&mut self, masks: &[Option<Mask<'_>>]) -> Result<(), BindError> {
+    /// Binds all wires anew, with other masks in the place of those that they were bound with. For wires whose reference moves, and
+    /// with it where they may act; [`Binding::deform_into`] does the same where only references moved.
+    pub fn rebind(&mut self, wires: &[Wire], masks: &[Option<Mask<'_>>]) -> Result<(), BindError> {
+        check(wires)?;
         check_masks(masks, self.tiles.count)?;
-        for (bound, mask) in self.wires.iter_mut().zip(mask::keep(masks)) {
+        if wires.len() != self.wires.len() {
+            return Err(BindError::WireCount { bound: self.wires.len(), found: wires.len() });
+        }
+        let kept = mask::keep(masks).into_iter().chain(std::iter::repeat(None));
+        for (bound, mask) in self.wires.iter_mut().zip(kept) {
             (bound.mask, bound.reach) = (mask, UNBOUND);
         }
+        self.update(wires);
         Ok(())
     }
 

@@ -238,7 +238,7 @@ fn sparse_masks_do_what_dense_ones_do() {
             let first = if again { rig.masks() } else { masks.to_vec() };
             let mut binding = Binding::masked(&rig.wires, &rig.points, &first).unwrap();
             if again {
-                binding.remask(masks).unwrap();
+                binding.rebind(&rig.wires, masks).unwrap();
             }
             let mut found = vec![[0.0; 3]; rig.points.len()];
             binding.deform_into(&rig.wires, &rig.blend, &mut found).unwrap();

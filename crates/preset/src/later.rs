@@ -7,9 +7,6 @@ use crate::tree::{Body, Node};
 /// Effects of later versions.
 pub(crate) const EFFECTS: &[&str] = &["Stitch", "Ik"];
 
-/// Wrinkle patterns of later versions. The format's default is the first.
-pub(crate) const PATTERNS: &[&str] = &["Tangential", "Radial", "Ripple"];
-
 /// A field of a later version: only its default may be written.
 pub(crate) struct LaterField {
     /// The struct it belongs to.
@@ -64,13 +61,7 @@ const fn later(
 }
 
 /// All fields of later versions.
-pub(crate) const FIELDS: &[LaterField] = &[
-    later("Wrinkle", "motion", Default::Name("Anchored"), &["Travelling", "Curtain"]),
-    later("Wrinkle", "branches", Default::Zeros(&["count", "depth"]), &[]),
-    later("Wrinkle", "compression", Default::Name("None"), &[]),
-    later("Wrinkle", "drive", Default::Name("None"), &["Strain"]),
-    later("Wrinkle", "refine", Default::Name("Off"), &["Auto"]),
-];
+pub(crate) const FIELDS: &[LaterField] = &[later("Wrinkle", "drive", Default::Name("None"), &["Strain"])];
 
 /// Refuses a field of a later version unless it holds its default.
 pub(crate) fn check(reader: &mut Reader<'_>, field: &LaterField, node: &Node) {

@@ -16,6 +16,9 @@ use crate::wrinkle::wrinkle;
 /// The version of the format that this crate reads.
 pub const FORMAT_VERSION: u64 = 1;
 
+/// How long what moves by itself is shown where nothing says, seconds.
+const FLOWING: f64 = 2.0;
+
 /// A preset, read and checked: no value in it is bad.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preset {
@@ -40,6 +43,8 @@ pub struct Effect {
     pub mask: Option<Mask>,
     /// What its lengths and positions are counted in; [`Effect::placed`] turns them into metres.
     pub units: Units,
+    /// Whether meshes that are too coarse for it are to be subdivided where it acts.
+    pub refine: bool,
 }
 
 /// What an effect does.
@@ -183,9 +188,15 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
     } else {
         wrinkle(reader, &mut fields, &mut clock).map(|wrinkle| Action::Wrinkle(Box::new(wrinkle)))
     };
+    let mut refine = false;
+    if owner == "Wrinkle" {
+        let options = [("Off", false), ("Auto", true)];
+        refine = reader
+            .field(&mut fields, "refine", false, |reader, node| reader.choice(node, "refine", &options));
+    }
     duration(reader, &mut fields, &clock, scene);
     reader.finish(fields);
-    out.push(Effect { action: action?, only, mask, units });
+    out.push(Effect { action: action?, only, mask, units, refine });
     Some(())
 }
 
@@ -228,7 +239,8 @@ fn duration(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &Clock, sce
         }
         Some(seconds)
     });
-    scene.duration = scene.duration.max(given.or(clock.last).unwrap_or(0.0));
+    let flowing = if clock.flows { FLOWING } else { 0.0 };
+    scene.duration = scene.duration.max(given.or(clock.last).unwrap_or(flowing));
     scene.animated |= clock.moves;
 }
 
@@ -239,9 +251,16 @@ pub(crate) struct Clock {
     last: Option<f64>,
     /// Whether a track changes after 0 seconds.
     moves: bool,
+    /// Whether something moves by itself.
+    flows: bool,
 }
 
 impl Clock {
+    /// Notes that something moves without keys.
+    pub(crate) fn flows(&mut self) {
+        (self.moves, self.flows) = (true, true);
+    }
+
     /// Notes a track.
     pub(crate) fn track<T: Interpolate + PartialEq>(&mut self, track: &Keyed<T>) {
         let Some(last) = track.last_key() else { return };

@@ -22,7 +22,7 @@ const FULL: f64 = 1.6;
 const GONE: f64 = 2.2;
 /// How far in radii, through the air, a way of [`GONE`] radii over the surface may stray before it ends within one: places
 /// are sought so far, lest those beyond a hem come up all at once when it comes near.
-const STRAY: f64 = (1.0 + GONE) / 2.0;
+const STRAY: f64 = f64::midpoint(1.0, GONE);
 /// The cosine between the normals of the line and of a place above which a way over the surface is no longer than
 /// [`FULL`] times that through the air.
 const FACING: f64 = 0.7;
@@ -286,7 +286,7 @@ fn front(p: DVec3, (a, at): (DVec3, f64), (b, bt): (DVec3, f64)) -> Option<f64> 
     // The front's way to p crosses the base at the place x − y·slope / √(1 − slope²).
     let rise = (1.0 - slope * slope).sqrt();
     let crossing = x - y * slope / rise;
-    (0.0..=base).contains(&crossing).then(|| at + x * slope + y * rise)
+    (0.0..=base).contains(&crossing).then_some(at + x * slope + y * rise)
 }
 
 #[cfg(test)]

@@ -135,7 +135,8 @@ impl Wrinkle {
         }
     }
 
-    pub(crate) fn check(&self) -> Result<(), WrinkleError> {
+    /// Refuses values out of range, patterns without creases and those with too many.
+    pub fn check(&self) -> Result<(), WrinkleError> {
         for &found in self.thickness.values() {
             if !(found > 0.0 && found.is_finite()) {
                 return Err(WrinkleError::Value { field: "thickness", expected: "greater than 0", found });
