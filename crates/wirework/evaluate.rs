@@ -13,7 +13,7 @@ use thiserror::Error;
 use wirework_core::{BindError, Lattice, LatticeError, Wire};
 use wirework_preset::{BoundsFrame, Effect, Units};
 use wirework_surface::Bounds;
-use wirework_wrinkle::WrinkleError;
+use wirework_wrinkle::{WrinkleError, WrinkleWarning};
 
 use crate::mask::{EffectMasks, Masks};
 use crate::stage::Stage;
@@ -150,7 +150,7 @@ impl<'a> Evaluation<'a> {
         let mut stages: Vec<Stage> = effects.iter().zip(masks).enumerate().map(stage).collect();
         let mut spent = Spent::default();
         if let Some(first) = stages.first_mut() {
-            first.follow(0.0, points, triangles, &mut spent)?;
+            first.follow(0.0, (points, points), triangles, &mut spent)?;
         }
         let mut new = Self { points, triangles, stages, base: Vec::new(), spent, warnings };
         if new.stages.len() > 1 {
@@ -158,11 +158,6 @@ impl<'a> Evaluation<'a> {
             // Nobody has asked for a moment yet.
             new.spent.deform = Duration::ZERO;
             new.stages.iter_mut().for_each(|stage| stage.reached = false);
-        }
-        let number =
-            |index: usize| if effects.len() > 1 { format!("effect {index}: ") } else { String::new() };
-        for (index, stage) in new.stages.iter().enumerate() {
-            new.warnings.extend(stage.warnings().iter().map(|warning| format!("{}{warning}", number(index))));
         }
         Ok(new)
     }
@@ -179,10 +174,46 @@ impl<'a> Evaluation<'a> {
                 self.base.extend_from_slice(out);
                 base = &self.base;
             }
-            stage.follow(seconds, base, self.triangles, &mut self.spent)?;
+            stage.follow(seconds, (self.points, base), self.triangles, &mut self.spent)?;
             stage.deform(seconds, out, &mut self.spent)?;
         }
         Ok(())
+    }
+
+    pub(crate) fn effect_count(&self) -> usize {
+        self.stages.len()
+    }
+
+    /// Whether compression of the surface drives an effect.
+    pub fn is_driven(&self) -> bool {
+        self.stages.iter().any(Stage::is_driven)
+    }
+
+    /// The compression that drives an effect, where the points have moved to `now`; for [`Evaluation::record`].
+    pub(crate) fn compression(&self, effect: usize, now: &[[f32; 3]]) -> Vec<f32> {
+        self.stages.get(effect).map_or_else(Vec::new, |stage| stage.compression(self.points, now))
+    }
+
+    /// Tells each effect the compression that drives it, at equal steps from 0 s on. Without that an effect is driven by what the
+    /// effects before it do.
+    pub(crate) fn record(&mut self, step: f64, readings: Vec<Vec<Vec<f32>>>) {
+        for (stage, readings) in self.stages.iter_mut().zip(readings) {
+            stage.record(step, readings);
+        }
+    }
+
+    /// What creases lack: each with its effect, from 0.
+    pub(crate) fn crease_warnings(&self) -> impl Iterator<Item = (usize, &WrinkleWarning)> {
+        self.stages
+            .iter()
+            .enumerate()
+            .flat_map(|(index, stage)| stage.warnings().iter().map(move |w| (index, w)))
+    }
+
+    /// The effects, from 0, that compression is to drive and that nothing tells of any.
+    pub(crate) fn unmoved(&self) -> impl Iterator<Item = usize> {
+        let unmoved = |(index, stage): (usize, &Stage)| stage.is_unmoved().then_some(index);
+        self.stages.iter().enumerate().filter_map(unmoved)
     }
 
     /// How many wires there are, over all effects that were evaluated.

@@ -23,6 +23,8 @@ pub(crate) struct Stage {
     creases: Option<Creases>,
     /// What each crease may move.
     near: Vec<Near>,
+    /// Whether a clip has told how it compresses the surface.
+    told: bool,
     /// Of the points, or else of the lattice's control points.
     binding: Option<Binding>,
     lattice: Option<Ffd>,
@@ -57,6 +59,7 @@ impl Stage {
             wires: Vec::new(),
             creases: None,
             near: Vec::new(),
+            told: false,
             binding: None,
             lattice: lattice.map(ffd),
             bound_to: Vec::new(),
@@ -64,12 +67,12 @@ impl Stage {
         }
     }
 
-    /// Binds the effect to `base`, what it works on at `seconds`; does nothing where it is bound to that already and its references
-    /// stay. What the first effect works on never changes.
+    /// Binds the effect to `base`, what it works on at `seconds`, where the points were at `rest` before all effects; does nothing where
+    /// it is bound to that already and its references stay. What the first effect works on never changes.
     pub(crate) fn follow(
         &mut self,
         seconds: f64,
-        base: &[[f32; 3]],
+        (rest, base): (&[[f32; 3]], &[[f32; 3]]),
         triangles: &[[u32; 3]],
         spent: &mut Spent,
     ) -> Result<(), EvaluateError> {
@@ -81,6 +84,10 @@ impl Stage {
             Some(_) if settled => self.walk(seconds, base, triangles, spent),
             _ => {
                 self.bind(seconds, base, triangles, spent)?;
+                if let Some(creases) = self.creases.as_mut().filter(|_| self.index > 0 && !self.told) {
+                    let reading = creases.compression(rest, base);
+                    creases.record(0.0, vec![reading]);
+                }
                 if self.index > 0 {
                     self.bound_to.clear();
                     self.bound_to.extend_from_slice(base);
@@ -217,6 +224,29 @@ impl Stage {
         spent.deform += start.elapsed();
         self.reached = self.reached || (binding.reaches() && !self.is_empty_lattice());
         Ok(())
+    }
+
+    /// Whether compression of the surface drives it.
+    pub(crate) fn is_driven(&self) -> bool {
+        self.creases.as_ref().is_some_and(Creases::is_driven)
+    }
+
+    /// Whether it is driven by what nothing tells it.
+    pub(crate) fn is_unmoved(&self) -> bool {
+        self.is_driven() && !self.told && self.index == 0
+    }
+
+    /// The compression at its creases.
+    pub(crate) fn compression(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
+        self.creases.as_ref().map_or_else(Vec::new, |creases| creases.compression(rest, now))
+    }
+
+    /// Tells it the compression by a clip.
+    pub(crate) fn record(&mut self, step: f64, readings: Vec<Vec<f32>>) {
+        if let Some(creases) = self.creases.as_mut().filter(|creases| creases.is_driven()) {
+            creases.record(step, readings);
+            self.told = true;
+        }
     }
 
     /// What the creases lack.

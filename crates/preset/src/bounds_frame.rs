@@ -1,7 +1,7 @@
 //! `units: Bounds`: positions in parts of the object's largest side, about its centre.
 
 use wirework_core::{Curve, Keyed, Lattice};
-use wirework_wrinkle::{Drawn, Layout, Motion, Pattern, Wrinkle};
+use wirework_wrinkle::{Drawn, Layout, Motion, Pattern, Strain, Wrinkle};
 
 use crate::deform::Deform;
 use crate::preset::{Action, Effect};
@@ -98,9 +98,13 @@ impl BoundsFrame {
             },
             ref other => other.clone(),
         };
+        let drive = wrinkle
+            .drive
+            .map(|strain| Strain { radius: strain.radius.map(|radius| self.length(radius)), ..strain });
         Wrinkle {
             pattern,
             motion,
+            drive,
             thickness: self.lengths(&wrinkle.thickness),
             intensity: self.lengths(&wrinkle.intensity),
             ..wrinkle.clone()

@@ -30,6 +30,9 @@ pub struct Preset {
     pub duration: f64,
     /// Whether anything moves in time. Without it the result is a still, whatever the duration.
     pub animated: bool,
+    /// Whether it looks at a clip of what it is applied to, and no duration was given: then it lasts as long as that, if that
+    /// is longer.
+    pub follows_clip: bool,
 }
 
 /// One effect: of a preset, where all its values are good, or of a program's own.
@@ -145,7 +148,13 @@ fn read(reader: &mut Reader<'_>, root: &Node) -> Option<Preset> {
     let mut scene = Scene::default();
     let mut effects = Vec::new();
     effect(reader, root, &mut scene, &mut effects)?;
-    Some(Preset { object: scene.object, effects, duration: scene.duration, animated: scene.animated })
+    Some(Preset {
+        object: scene.object,
+        effects,
+        duration: scene.duration,
+        animated: scene.animated,
+        follows_clip: scene.follows_clip,
+    })
 }
 
 /// What the effects of a preset have in common.
@@ -156,6 +165,7 @@ struct Scene {
     object: Option<Object>,
     duration: f64,
     animated: bool,
+    follows_clip: bool,
 }
 
 const EFFECTS: [&str; 3] = ["Deform", "Wrinkle", "Stack"];
@@ -242,6 +252,7 @@ fn duration(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &Clock, sce
     let flowing = if clock.flows { FLOWING } else { 0.0 };
     scene.duration = scene.duration.max(given.or(clock.last).unwrap_or(flowing));
     scene.animated |= clock.moves;
+    scene.follows_clip |= clock.follows && given.is_none();
 }
 
 /// What the tracks of an effect say about time.
@@ -253,9 +264,16 @@ pub(crate) struct Clock {
     moves: bool,
     /// Whether something moves by itself.
     flows: bool,
+    /// Whether a clip of the object moves it.
+    follows: bool,
 }
 
 impl Clock {
+    /// Notes that a clip of the object is looked at.
+    pub(crate) fn follows(&mut self) {
+        self.follows = true;
+    }
+
     /// Notes that something moves without keys.
     pub(crate) fn flows(&mut self) {
         (self.moves, self.flows) = (true, true);

@@ -1,7 +1,7 @@
 //! \[SF98\] §5.1 as a preset: `Wrinkle(pattern: Tangential, creases: 5, thickness: .., ..)`.
 
 use wirework_core::Keyed;
-use wirework_wrinkle::{Branches, Drawn, Layout, Motion, Pattern, Wrinkle, WrinkleError};
+use wirework_wrinkle::{Branches, Drawn, Layout, Motion, Pattern, Strain, Wrinkle, WrinkleError};
 
 use crate::curve::keyed_curve;
 use crate::deform::blend;
@@ -50,7 +50,12 @@ pub(crate) fn wrinkle(
     if motion != Motion::Anchored {
         clock.flows();
     }
+    let drive = reader.optional(fields, "drive", strain);
+    if drive.is_some() {
+        clock.follows();
+    }
     let wrinkle = Wrinkle {
+        drive,
         pattern: pattern.clone().unwrap_or(rest.pattern),
         thickness,
         intensity,
@@ -64,13 +69,17 @@ pub(crate) fn wrinkle(
         blend: reader.field(fields, "blend", rest.blend, blend),
     };
     pattern?;
-    many(reader, fields, wrinkle)
+    whole(reader, fields, wrinkle)
 }
 
-/// Refuses more creases than can be laid.
-fn many(reader: &mut Reader<'_>, fields: &Fields<'_>, wrinkle: Wrinkle) -> Option<Wrinkle> {
-    let Err(error @ WrinkleError::TooMany { .. }) = wrinkle.check() else { return Some(wrinkle) };
-    let key = ["branches", "creases", "pattern"].into_iter().find(|key| fields.again(key).is_some())?;
+/// Refuses more creases than can be laid, and what does not go together.
+fn whole(reader: &mut Reader<'_>, fields: &Fields<'_>, wrinkle: Wrinkle) -> Option<Wrinkle> {
+    let (error, keys): (WrinkleError, &[&str]) = match wrinkle.check() {
+        Err(error @ WrinkleError::TooMany { .. }) => (error, &["branches", "creases", "pattern"]),
+        Err(error @ WrinkleError::DrivenMoves) => (error, &["motion", "pattern", "drive"]),
+        _ => return Some(wrinkle),
+    };
+    let key = keys.iter().copied().find(|key| fields.again(key).is_some())?;
     let node = fields.again(key)?;
     reader.within(key, |reader| reader.bad(node, error.to_string()))
 }
@@ -172,6 +181,38 @@ fn branches(reader: &mut Reader<'_>, node: &Node) -> Option<Branches> {
         reader.warn(&node.span, "branches need a `count` and a `depth` greater than 0");
     }
     Some(Branches { count, depth })
+}
+
+/// `Strain(from: 0.02, to: 0.2, radius: None, settle: 0.1)`.
+fn strain(reader: &mut Reader<'_>, node: &Node) -> Option<Strain> {
+    if node.name() != Some("Strain") {
+        let drives = [("Strain", None)];
+        return if node.name.is_some() {
+            reader.choice(node, "drive", &drives)?
+        } else {
+            reader.mismatch(node, "`None` or `Strain(..)`")
+        };
+    }
+    if matches!(node.body, Body::Bare) {
+        return Some(Strain::default());
+    }
+    let rest = Strain::default();
+    let mut fields = reader.fields(node, "Strain")?;
+    let from =
+        reader.field(&mut fields, "from", rest.from, |reader, node| reader.number(node, Within::BelowOne));
+    let to = reader.field(&mut fields, "to", rest.to, |reader, node| {
+        let to = reader.number(node, Within::Unit)?;
+        if to > from {
+            Some(to)
+        } else {
+            reader.bad(node, format!("`to` must be greater than `from`, {from}, found {to}"))
+        }
+    });
+    let radius = reader.optional(&mut fields, "radius", |reader, node| reader.number(node, Within::Positive));
+    let settle = reader
+        .field(&mut fields, "settle", rest.settle, |reader, node| reader.number(node, Within::NotNegative));
+    reader.finish(fields);
+    Some(Strain { from, to, radius, settle })
 }
 
 /// `Anchored` or `Travelling(velocity: (along, across))`.

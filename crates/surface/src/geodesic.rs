@@ -121,6 +121,36 @@ impl Terrain {
         corners.into_iter().flat_map(|c| [0, 1, 2].map(|i| (c[(i + 1) % 3] - c[i]).to_array()))
     }
 
+    /// The corners of a triangle.
+    ///
+    /// # Panics
+    ///
+    /// There is no such triangle.
+    pub fn corners_of(&self, triangle: u32) -> [[f64; 3]; 3] {
+        self.corners(triangle).map(|corner| corner.to_array())
+    }
+
+    /// The vertices of a triangle, of several at one position always the first.
+    ///
+    /// # Panics
+    ///
+    /// There is no such triangle.
+    pub fn places_of(&self, triangle: u32) -> [u32; 3] {
+        self.adjacency.triangles[triangle as usize]
+    }
+
+    /// The triangles across the edges of a triangle, where there is just one.
+    ///
+    /// # Panics
+    ///
+    /// There is no such triangle.
+    pub fn neighbours(&self, triangle: u32) -> impl Iterator<Item = u32> {
+        [0, 1, 2]
+            .into_iter()
+            .map(move |edge| self.adjacency.across(triangle, edge))
+            .filter(|next| *next < CROWDED)
+    }
+
     /// The shell of each vertex: those that faces connect have one number. A vertex without faces has [`u32::MAX`].
     pub fn shells(&self) -> Vec<u32> {
         let mut shells = vec![u32::MAX; self.positions.len()];

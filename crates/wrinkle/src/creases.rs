@@ -13,6 +13,7 @@ use crate::crease::{Crease, Fineness, SPANS, SPANS_A_THICKNESS};
 use crate::ground::{Ground, wide};
 use crate::height::{MIN_SPANS_VARYING, height};
 use crate::pattern::{Lines, Prepared, lines, prepare};
+use crate::strain::{Gauges, Record};
 use crate::trace::position;
 use crate::{SurfaceView, Wrinkle, WrinkleError, WrinkleWarning};
 
@@ -33,6 +34,8 @@ pub struct Creases {
     /// The least it ever is, so that a keyed thickness does not move the references.
     thickness: f32,
     crests: Option<Crests>,
+    gauges: Option<Gauges>,
+    record: Record,
     list: Vec<Crease>,
     warnings: Vec<WrinkleWarning>,
 }
@@ -57,6 +60,8 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
         prepared: Arc::new(prepared),
         settings: Arc::new(settings.clone()),
         crests: None,
+        gauges: None,
+        record: Record::default(),
         density,
         thickness,
         list: Vec::new(),
@@ -64,6 +69,7 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
     };
     creases.list = creases.lay(&lines)?;
     creases.crests = creases.crests();
+    creases.gauges = creases.gauges();
     creases.warnings = lines.warnings;
     creases.warnings.extend(creases.coarse());
     creases.warnings.extend(creases.apart(surface));
@@ -96,6 +102,24 @@ impl Creases {
     /// What is less than was asked for, at 0 s.
     pub fn warnings(&self) -> &[WrinkleWarning] {
         &self.warnings
+    }
+
+    /// Whether compression of the surface raises them; until it is told they lie flat.
+    pub fn is_driven(&self) -> bool {
+        self.gauges.is_some()
+    }
+
+    /// How much the surface is compressed across the creases at each of their nodes, where it has moved from `rest` to
+    /// `now`; for [`Creases::record`]. Empty where nothing drives them.
+    pub fn compression(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
+        self.gauges.as_ref().map_or_else(Vec::new, |gauges| gauges.read(rest, now))
+    }
+
+    /// Tells the compression of the surface at equal steps, in seconds, from 0 s on; a single one holds at all times. Each is from
+    /// [`Creases::compression`].
+    pub fn record(&mut self, step: f64, readings: Vec<Vec<f32>>) {
+        let settle = self.settings.drive.map_or(0.0, |strain| f64::from(strain.settle));
+        self.record = Record::new(step, readings, settle);
     }
 
     /// Whether references move over the surface, so that [`Creases::at`] is to be called for each moment.
@@ -142,14 +166,20 @@ impl Creases {
         let propagation = f64::from(settings.propagation.at(seconds));
         let radius = settings.thickness.at(seconds);
         let resistance = f64::from(settings.resistance);
+        let mut first = 0;
         for (wire, crease) in wires.iter_mut().zip(&self.list) {
             wire.radius = radius;
+            let raised = |node: usize| match &settings.drive {
+                Some(strain) => self.record.raise(strain, seconds, first + node),
+                None => 1.0,
+            };
             let full = |node: usize| match &self.crests {
                 Some(crests) => crests.at(f64::from(radius), crease.spacings[node]),
                 None => intensity,
             };
             let rise = |node: usize| {
-                full(node) * crease.strength * height(crease.fractions[node], resistance, propagation)
+                let part = crease.strength * raised(node);
+                full(node) * part * height(crease.fractions[node], resistance, propagation)
             };
             let points = crease.reference.points().iter().zip(&crease.lift).enumerate();
             wire.pose.clear();
@@ -157,6 +187,7 @@ impl Creases {
                 let rise = rise(node);
                 [0, 1, 2].map(|a| (f64::from(p[a]) + f64::from(lift[a]) * rise) as f32)
             }));
+            first += crease.fractions.len();
         }
     }
 
@@ -212,6 +243,12 @@ impl Creases {
         let least = f64::from(self.thickness) / spacings().copied().fold(0.0, f64::max);
         let ratios = (least.max(1e-6), most.clamp(1e-6, 1e3));
         Some(Crests::new(compression, &self.density, &self.settings.blend, ratios))
+    }
+
+    fn gauges(&self) -> Option<Gauges> {
+        let strain = self.settings.drive?;
+        let radius = strain.radius.unwrap_or(2.0 * self.thickness);
+        Some(Gauges::new(&self.ground, &self.list, f64::from(radius)))
     }
 
     /// Whether edges across the folds are too long to show them.

@@ -34,6 +34,7 @@ mod radial;
 mod random;
 mod ripple;
 mod settings;
+mod strain;
 mod tangential;
 mod trace;
 mod travel;
@@ -42,6 +43,7 @@ pub use creases::{Creases, creases};
 pub use settings::{
     Branches, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning,
 };
+pub use strain::Strain;
 
 #[cfg(test)]
 mod patterns_tests;

@@ -4,6 +4,8 @@ use thiserror::Error;
 use wirework_core::{Blend, Curve, Keyed};
 use wirework_surface::NearestError;
 
+use crate::Strain;
+
 /// Creases of a pattern at most, branches included: each has 8 spans at least.
 pub(crate) const MOST_CREASES: usize = crate::creases::MOST_SPANS / 8;
 
@@ -32,6 +34,9 @@ pub struct Wrinkle {
     /// The part of its length that the folded cloth has lost, from 0 to below 1: heights are such that the folded cross-section
     /// is as long as it was before. Takes the place of `intensity`. Default none.
     pub compression: Option<f32>,
+    /// Compression of the surface as what raises the creases: they have their height where and when the surface is pushed
+    /// together across them. Default none: they stand at all times.
+    pub drive: Option<Strain>,
     /// How creases that reach the same point become one displacement. Default that of wires.
     pub blend: Blend,
 }
@@ -131,6 +136,7 @@ impl Wrinkle {
             seed: 0,
             motion: Motion::default(),
             compression: None,
+            drive: None,
             blend: Blend::default(),
         }
     }
@@ -163,6 +169,12 @@ impl Wrinkle {
             && let Some(found) = velocity.into_iter().find(|v| !v.is_finite())
         {
             return Err(WrinkleError::Value { field: "velocity", expected: "finite", found });
+        }
+        if let Some(strain) = &self.drive {
+            strain.check()?;
+            if self.moves() {
+                return Err(WrinkleError::DrivenMoves);
+            }
         }
         self.check_pattern()
     }
@@ -233,7 +245,7 @@ impl Wrinkle {
 
     /// Whether the height varies along a crease at any time.
     pub(crate) fn varies(&self) -> bool {
-        self.resistance > 0.0 || self.propagation.values().any(|&p| p < 1.0)
+        self.resistance > 0.0 || self.drive.is_some() || self.propagation.values().any(|&p| p < 1.0)
     }
 }
 
@@ -281,6 +293,9 @@ pub enum WrinkleError {
         /// Creases the pattern would have.
         creases: usize,
     },
+    /// What compression raises is read where creases lie, and these move.
+    #[error("creases that `drive` raises stay where they are: they cannot travel or be keyed")]
+    DrivenMoves,
     /// The pattern has no creases.
     #[error("a pattern needs at least one crease")]
     NoCreases,
@@ -331,11 +346,11 @@ pub enum WrinkleError {
 pub enum WrinkleWarning {
     /// The first axis has nothing along the surface.
     #[error(
-        "`direction` stands upright on the surface at the center; the pattern lies along a coordinate axis"
+        "`direction` stands upright on the surface at the center; the pattern lies along a coordinate axis [upright]"
     )]
     Upright,
     /// The pattern is larger than the surface.
-    #[error("{outside} of {creases} creases lie beyond the surface and are left out")]
+    #[error("{outside} of {creases} creases lie beyond the surface and are left out [outside-surface]")]
     Outside {
         /// Creases that are left out.
         outside: usize,
@@ -343,14 +358,14 @@ pub enum WrinkleWarning {
         creases: usize,
     },
     /// The pattern is larger than the surface.
-    #[error("{ends} creases end early, at a border of the surface")]
+    #[error("{ends} creases end early, at a border of the surface [border]")]
     Border {
         /// How many ends.
         ends: usize,
     },
     /// The surface is not a manifold where creases run.
     #[error(
-        "{ends} creases end early, at an edge where the surface is not a manifold (more than two faces, or two that disagree about the outside)"
+        "{ends} creases end early, at an edge where the surface is not a manifold (more than two faces, or two that disagree about the outside) [non-manifold]"
     )]
     NonManifold {
         /// How many ends.
@@ -358,7 +373,7 @@ pub enum WrinkleWarning {
     },
     /// The mesh is too coarse for the folds.
     #[error(
-        "edges of {edge} are longer than a third of the thickness {thickness}: folds come out jagged; use a finer mesh, a larger `thickness`, or `refine: Auto`"
+        "edges of {edge} are longer than a third of the thickness {thickness}: folds come out jagged; use a finer mesh, a larger `thickness`, or `refine: Auto` [coarse]"
     )]
     Coarse {
         /// The longest edge that a crease reaches.
@@ -368,7 +383,7 @@ pub enum WrinkleWarning {
     },
     /// Faces that hang together with nothing a crease lies on are near it.
     #[error(
-        "{points} vertices within reach of a crease belong to parts that do not hang together with the one it lies on; they stay where they are"
+        "{points} vertices within reach of a crease belong to parts that do not hang together with the one it lies on; they stay where they are [apart]"
     )]
     Apart {
         /// How many.
