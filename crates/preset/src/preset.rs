@@ -180,7 +180,7 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
         "Deform" => "Deform",
         "Wrinkle" => "Wrinkle",
         other if later::EFFECTS.contains(&other) => {
-            later::refuse(reader, node, other, None);
+            later::refuse(reader, node, other);
             return None;
         }
         _ => {
