@@ -16,6 +16,7 @@ mod channels;
 mod clip;
 mod color;
 mod container;
+mod content;
 mod delta;
 mod document;
 mod edit;
@@ -48,6 +49,7 @@ mod way;
 
 pub use census::NodeCensus;
 pub use clip::{Clip, WeightTrack};
+pub use content::Content;
 pub use document::Gltf;
 pub use error::{AssetError, ErrorClass, Place, Warning, printable};
 pub use image::EncodedImage;

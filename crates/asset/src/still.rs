@@ -134,11 +134,11 @@ impl Gltf {
                 [x, y, z, w]
             };
             let sums: Vec<[f32; 4]> = values.iter().zip(deltas).map(sum).collect();
-            return self.append_vertices(&sums, false);
+            return self.append_vertices(sums, false);
         }
         let values = vectors(self, reference)?.floats::<3>(&mut budget)?;
         let sums: Vec<[f32; 3]> = values.iter().zip(deltas).map(|(b, d)| add(*b, *d)).collect();
-        self.append_vertices(&sums, key == "POSITION")
+        self.append_vertices(sums, key == "POSITION")
     }
 }
 
