@@ -1,9 +1,13 @@
 //! The way back from the world to the spaces of the meshes: what to add to their vertices.
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use crate::rest::Rest;
 use crate::way::{double, single};
+
+/// So many vertices are taken back by one thread at a time.
+const BLOCK: usize = 1 << 12;
 
 /// Displacements of a block in the space of its mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,29 +46,43 @@ impl Rest {
         let given = |list: Option<&'a [[f32; 3]]>| list.and_then(|list| list.get(range.clone()));
         let normals = Directions::new(b.normals.as_deref(), b.local_normals.as_deref(), given(normals));
         let tangents = Directions::new(b.tangents.as_deref(), b.local_tangents.as_deref(), given(tangents));
-        out.positions.reserve_exact(b.count);
-        let room = |_: &Directions<'_>| Vec::with_capacity(b.count);
-        out.normals = normals.as_ref().map(room);
-        out.tangents = tangents.as_ref().map(room);
-        for (v, (p, q)) in rest.iter().zip(now).enumerate() {
-            let delta = double(*q) - double(*p);
-            let moves = delta != DVec3::ZERO;
-            let [normal, tangent] = [&normals, &tangents].map(|list| list.as_ref().and_then(|d| d.turned(v)));
-            let way = (moves || normal.is_some() || tangent.is_some()).then(|| b.frame.way(v));
-            let way = way.as_deref();
-            let inverse = way.and_then(|way| way.inverse);
-            out.stuck += usize::from(moves && inverse.is_none());
-            let local = inverse.filter(|_| moves).map_or(DVec3::ZERO, |inverse| inverse * delta);
-            out.positions.push(clean(single(local)));
-            // Normals go back by the transpose, what lies along the surface by the inverse.
-            if let Some(list) = &mut out.normals {
-                let back = way.filter(|_| inverse.is_some()).map(|way| way.transpose);
-                list.push(direction_delta(back, normal));
-            }
-            if let Some(list) = &mut out.tangents {
-                list.push(direction_delta(inverse, tangent));
-            }
-        }
+        let zeros = || vec![[0.0; 3]; b.count];
+        out.positions = zeros();
+        out.normals = normals.as_ref().map(|_| zeros());
+        out.tangents = tangents.as_ref().map(|_| zeros());
+        let slots = blocks(&mut out).into_par_iter().enumerate();
+        out.stuck = slots
+            .map(|(k, slots)| {
+                let range = k * BLOCK..(k * BLOCK + slots.positions.len());
+                let mut stuck = 0;
+                for (slot, v) in range.enumerate() {
+                    let delta = double(now[v]) - double(rest[v]);
+                    let moves = delta != DVec3::ZERO;
+                    let turned = |list: &Option<Directions<'_>>| list.as_ref().and_then(|d| d.turned(v));
+                    let (normal, tangent) = (turned(&normals), turned(&tangents));
+                    if !moves && normal.is_none() && tangent.is_none() {
+                        continue;
+                    }
+                    let way = b.frame.way(v);
+                    // What cannot go back stays.
+                    let Some(inverse) = way.inverse else {
+                        stuck += usize::from(moves);
+                        continue;
+                    };
+                    if moves {
+                        slots.positions[slot] = clean(single(inverse * delta));
+                    }
+                    // Normals go back by the transpose, what lies along the surface by the inverse.
+                    if let (Some(turned), Some(slot)) = (normal, slots.normals.get_mut(slot)) {
+                        *slot = direction_delta(way.transpose, turned);
+                    }
+                    if let (Some(turned), Some(slot)) = (tangent, slots.tangents.get_mut(slot)) {
+                        *slot = direction_delta(inverse, turned);
+                    }
+                }
+                stuck
+            })
+            .sum();
         out
     }
 }
@@ -101,9 +119,27 @@ impl<'a> Directions<'a> {
     }
 }
 
+/// A run of vertices of what comes out; empty where there are no normals or tangents.
+struct Slots<'a> {
+    positions: &'a mut [[f32; 3]],
+    normals: &'a mut [[f32; 3]],
+    tangents: &'a mut [[f32; 3]],
+}
+
+fn blocks(out: &mut LocalDeltas) -> Vec<Slots<'_>> {
+    let positions = out.positions.chunks_mut(BLOCK);
+    let [mut normals, mut tangents] = [&mut out.normals, &mut out.tangents]
+        .map(|list| list.as_deref_mut().unwrap_or_default().chunks_mut(BLOCK));
+    let slots = |positions| Slots {
+        positions,
+        normals: normals.next().unwrap_or_default(),
+        tangents: tangents.next().unwrap_or_default(),
+    };
+    positions.map(slots).collect()
+}
+
 /// What to add to a direction of a mesh so that it points, in the world, where it is to; `back` takes one back, but for its length.
-fn direction_delta(back: Option<DMat3>, turned: Option<[[f32; 3]; 2]>) -> [f32; 3] {
-    let (Some(back), Some([base, now])) = (back, turned) else { return [0.0; 3] };
+fn direction_delta(back: DMat3, [base, now]: [[f32; 3]; 2]) -> [f32; 3] {
     let target = (back * double(now)).normalize_or_zero();
     if target == DVec3::ZERO { [0.0; 3] } else { clean(single(target - double(base))) }
 }

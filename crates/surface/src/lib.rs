@@ -18,6 +18,7 @@
 //! ```
 
 mod bounds;
+mod distinct;
 mod mesh;
 mod nearest;
 mod normals;
@@ -31,6 +32,7 @@ mod vector;
 mod vertex_mesh;
 
 pub use bounds::Bounds;
+pub use distinct::Distinct;
 pub use mesh::{Corner, Mesh, MeshError};
 pub use nearest::{Nearest, NearestError, SurfacePoint};
 pub use normals::{Normals, NormalsBuffer, NormalsError};
