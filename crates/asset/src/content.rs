@@ -18,7 +18,9 @@ impl Content {
     /// Numbers as files have them, the lowest byte first.
     pub(crate) fn floats(mut values: Vec<f32>) -> Self {
         if cfg!(target_endian = "big") {
-            values.iter_mut().for_each(|value| *value = f32::from_bits(value.to_bits().to_le()));
+            for value in &mut values {
+                *value = f32::from_bits(value.to_bits().to_le());
+            }
         }
         Self(Kind::Floats(values))
     }

@@ -40,7 +40,9 @@ impl Frame {
             for p in positions {
                 *p = place(matrix, double(*p))?;
             }
-            normals.iter_mut().for_each(|n| *n = way.normal(double(*n)));
+            for n in normals {
+                *n = way.normal(double(*n));
+            }
             Ok(0)
         })?;
         Ok(Self::Node(way))

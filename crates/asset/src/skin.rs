@@ -217,7 +217,7 @@ fn joint_weights(gltf: &Gltf, reference: Json<'_>, budget: &mut Budget) -> Resul
         return Err(accessor.json.found("an accessor of another type", expected));
     }
     let weights = accessor.floats::<4>(budget)?;
-    let good = |weight: f32| weight.is_finite() & (weight >= 0.0);
+    let good = |weight: f32| (0.0..=f32::MAX).contains(&weight);
     let all_good = |weights: &[[f32; 4]]| weights.as_flattened().iter().fold(true, |all, &w| all & good(w));
     if weights.par_chunks(BLOCK).all(all_good) {
         return Ok(weights);
