@@ -2,7 +2,7 @@
 //!
 //! Vertices at equal positions are one place, so that the split vertices of texture seams and hard edges part nothing.
 
-use std::collections::HashMap;
+use crate::distinct::Distinct;
 
 /// Stands for no triangle: the edge is a border.
 pub(crate) const BORDER: u32 = u32::MAX;
@@ -87,10 +87,8 @@ fn proper([a, b, c]: [u32; 3]) -> bool {
 }
 
 fn places(positions: &[[f32; 3]]) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(positions.len());
-    // Adding 0 makes −0 equal to 0.
-    let place = |(p, i): (&[f32; 3], u32)| *first.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(i);
-    positions.iter().zip(0..).map(place).collect()
+    let Distinct { of, first } = Distinct::new(positions.len(), |i| positions[i]);
+    of.into_iter().map(|place| first[place as usize]).collect()
 }
 
 fn fans(places: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {

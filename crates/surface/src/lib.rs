@@ -19,6 +19,7 @@
 
 mod adjacency;
 mod bounds;
+mod distinct;
 mod geodesic;
 mod mesh;
 mod near;
@@ -34,6 +35,7 @@ mod vector;
 mod vertex_mesh;
 
 pub use bounds::Bounds;
+pub use distinct::Distinct;
 pub use geodesic::{Step, Stop, Terrain, Walker};
 pub use mesh::{Corner, Mesh, MeshError};
 pub use near::{Near, NearBuffer};
