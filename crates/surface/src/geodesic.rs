@@ -97,8 +97,13 @@ impl Terrain {
     /// A walker at a point of the surface that looks along `heading`, laid into the tangent plane. `None` where the
     /// surface has no normal, or the heading has nothing along the surface.
     pub fn walker(&self, at: &SurfacePoint, heading: [f64; 3]) -> Option<Walker<'_>> {
-        let weights = DVec3::from(at.barycentric.map(f64::from));
-        let weights = weights / weights.element_sum();
+        self.adjacency.triangles.get(at.triangle as usize)?;
+        self.walker_at(&self.step(at), heading)
+    }
+
+    /// The same at a point that another walker has come to.
+    pub fn walker_at(&self, at: &Step, heading: [f64; 3]) -> Option<Walker<'_>> {
+        let weights = DVec3::from(at.weights);
         self.adjacency.triangles.get(at.triangle as usize)?;
         let normal = self.normal(at.triangle, weights)?;
         let heading = DVec3::from(heading).try_normalize()?;

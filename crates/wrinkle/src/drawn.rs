@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 use wirework_core::Curve;
-use wirework_surface::Step;
+use wirework_surface::{Step, Stop};
 
 use crate::ground::{Ground, wide};
 use crate::pattern::Line;
 use crate::random::{Jitter, unit};
 use crate::trace::{Trace, position};
-use crate::{Wrinkle, WrinkleError};
+use crate::travel::stop;
+use crate::{Motion, Wrinkle, WrinkleError};
 
 /// Samples of a drawn curve: at least so many, for its shape, and at most, for the time it takes.
 const SAMPLES: std::ops::RangeInclusive<usize> = 65..=4097;
@@ -25,6 +26,7 @@ pub(crate) fn drop(
     curve: &Curve,
     index: usize,
     settings: &Wrinkle,
+    seconds: f64,
     thickness: f32,
 ) -> Result<Line, WrinkleError> {
     let length = curve.length();
@@ -48,6 +50,10 @@ pub(crate) fn drop(
     if shift != 0.0 {
         points = sideways(ground, &points, shift, curve.closed());
     }
+    let [along, across] = travelled(settings, seconds);
+    if across != 0.0 {
+        points = travel(ground, &points, across, f64::from(thickness), curve.closed());
+    }
     let mut trace = Trace::along(ground, &points, gap * JUMP);
     if trace.to <= COLLAPSED * f64::from(length) {
         return Err(WrinkleError::Collapsed { curve: index });
@@ -56,6 +62,9 @@ pub(crate) fn drop(
         let trim = |what| random * 0.25 * unit(settings.seed, index, what);
         trace.from = trim(Jitter::Start) * trace.to;
         trace.to -= trim(Jitter::End) * trace.to;
+        if along != 0.0 {
+            trace.slide(ground, along, f64::from(thickness));
+        }
     }
     let strength = 1.0 - 0.5 * random * unit(settings.seed, index, Jitter::Height);
     // One fold by itself takes up what its own width lacks.
@@ -63,16 +72,43 @@ pub(crate) fn drop(
     Ok(Line { trace, closed: curve.closed(), range: (0.0, 1.0), strength, spacing, index })
 }
 
+/// How far creases have gone along themselves and across.
+fn travelled(settings: &Wrinkle, seconds: f64) -> [f64; 2] {
+    match settings.motion {
+        Motion::Travelling { velocity } => velocity.map(|v| f64::from(v) * seconds),
+        _ => [0.0; 2],
+    }
+}
+
+/// The points gone across their line, each straight ahead over the surface and up to a border.
+fn travel(ground: &Ground, points: &[Step], way: f64, thickness: f64, closed: bool) -> Vec<Step> {
+    let gone = |i: usize| {
+        let across = across(ground, points, i, closed) * way.signum();
+        let Some(walker) = ground.terrain.walker_at(&points[i], across.to_array()) else { return points[i] };
+        let room = match walker.clone().walk(way.abs(), |_, _| {}) {
+            (_, Stop::Arrived) => f64::INFINITY,
+            (walked, _) => walked,
+        };
+        let mut walker = walker;
+        walker.walk(stop(way.abs(), room, thickness), |_, _| {});
+        walker.step()
+    };
+    (0..points.len()).map(gone).collect()
+}
+
 /// The points moved across their line by `shift` and dropped again.
 fn sideways(ground: &Ground, points: &[Step], shift: f64, closed: bool) -> Vec<Step> {
-    let last = points.len().saturating_sub(1);
-    let moved = |i: usize| {
-        // The last point of a closed line is its first.
-        let i = if closed && i == last { 0 } else { i };
-        let before = if closed && i == 0 { &points[last - 1] } else { &points[i.saturating_sub(1)] };
-        let along = position(&points[(i + 1).min(last)]) - position(before);
-        let normal = ground.footing(&points[i]).map_or(DVec3::ZERO, |f| f.normal);
-        ground.step(position(&points[i]) + normal.cross(along).normalize_or_zero() * shift)
-    };
+    let moved = |i: usize| ground.step(position(&points[i]) + across(ground, points, i, closed) * shift);
     (0..points.len()).filter_map(moved).collect()
+}
+
+/// The unit direction across a line of points, normal × along, at one of them.
+fn across(ground: &Ground, points: &[Step], i: usize, closed: bool) -> DVec3 {
+    let last = points.len().saturating_sub(1);
+    // The last point of a closed line is its first.
+    let i = if closed && i == last { 0 } else { i };
+    let before = if closed && i == 0 { &points[last - 1] } else { &points[i.saturating_sub(1)] };
+    let along = position(&points[(i + 1).min(last)]) - position(before);
+    let normal = ground.footing(&points[i]).map_or(DVec3::ZERO, |f| f.normal);
+    normal.cross(along).normalize_or_zero()
 }

@@ -65,7 +65,14 @@ pub(crate) fn lines(
     match &settings.pattern {
         Pattern::Drawn(curves) => {
             for (index, drawn) in curves.iter().enumerate() {
-                lines.list.push(drawn::drop(ground, &drawn.at(seconds), index, settings, thickness)?);
+                lines.list.push(drawn::drop(
+                    ground,
+                    &drawn.at(seconds),
+                    index,
+                    settings,
+                    seconds,
+                    thickness,
+                )?);
             }
         }
         Pattern::Tangential(layout) => {

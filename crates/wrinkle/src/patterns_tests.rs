@@ -1,11 +1,12 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use wirework_core::{Binding, Keyed, Mask, Wire};
+use wirework_core::{Binding, Curve, Keyed, Mask, Wire};
 use wirework_surface::{Mesh, grid, sphere, tube};
 
 use crate::{
-    Branches, Creases, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning, creases,
+    Branches, Creases, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning,
+    creases,
 };
 
 const LAYOUT: Layout = Layout { center: [0.0; 3], direction: [1.0, 0.0, 0.0], size: [1.0, 1.0], creases: 5 };
@@ -248,6 +249,59 @@ fn travelling_folds_keep_their_height_and_speed_and_stop_at_a_border() {
     }
     assert!((before[1] + 1.0).abs() < 1e-5 && (before[0] + 0.9).abs() < 1e-5, "{before:?}");
     assert!((wide(wires(&creases, 30.0)[0].reference.point(1.0)).x - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn drawn_creases_travel_along_themselves_and_across() {
+    let mesh = plane(64);
+    let line = Curve::polyline(vec![[-0.5, 0.2, 0.3], [0.5, 0.2, 0.3]]).unwrap();
+    let with = |velocity| {
+        let settings = Wrinkle {
+            motion: Motion::Travelling { velocity },
+            thickness: Keyed::Constant(0.1),
+            ..Wrinkle::drawn(vec![line.clone()])
+        };
+        let mut creases = lay(&mesh, &settings).unwrap();
+        move |seconds: f64| {
+            creases.at(seconds, None).unwrap();
+            let wire = wires(&creases, seconds).remove(0);
+            assert!(wire.pose.iter().all(|p| (p[1] - 0.05).abs() < 1e-6));
+            [0.0, 1.0].map(|u| wide(wire.reference.point(u)))
+        }
+    };
+    let near = |found: [DVec3; 2], expected: [[f64; 2]; 2]| {
+        for (found, [x, z]) in found.into_iter().zip(expected) {
+            assert!(found.distance(DVec3::new(x, 0.0, z)) < 1e-5, "{found} for {x}, {z}");
+        }
+    };
+    // Across is normal × along: −z.
+    let mut across = with([0.0, 0.2]);
+    near(across(2.0), [[-0.5, -0.1], [0.5, -0.1]]);
+    near(across(30.0), [[-0.5, -1.0], [0.5, -1.0]]);
+    let mut along = with([0.1, 0.0]);
+    near(along(3.0), [[-0.2, 0.3], [0.8, 0.3]]);
+    near(along(60.0), [[0.0, 0.3], [1.0, 0.3]]);
+    let mut back = with([-0.1, 0.0]);
+    near(back(2.0), [[-0.7, 0.3], [0.3, 0.3]]);
+    near(back(60.0), [[-1.0, 0.3], [0.0, 0.3]]);
+}
+
+#[test]
+fn drawn_creases_follow_the_keys_of_their_curves() {
+    let mesh = plane(64);
+    let curve = Curve::polyline(vec![[-0.5, 0.1, 0.0], [0.5, 0.1, 0.0]]).unwrap();
+    let keys = vec![(0.0, curve.points().to_vec()), (1.0, vec![[-0.5, 0.1, 0.4], [0.5, 0.1, 0.8]])];
+    let drawn = Drawn { curve, points: Some(Keyed::keys(keys, false).unwrap()) };
+    let mut creases = lay(&mesh, &Wrinkle::new(Pattern::Drawn(vec![drawn]))).unwrap();
+    assert!(creases.moves());
+    for (seconds, z) in [(0.0, [0.0, 0.0]), (0.5, [0.2, 0.4]), (2.0, [0.4, 0.8])] {
+        creases.at(seconds, None).unwrap();
+        let wire = wires(&creases, seconds).remove(0);
+        for (u, z) in [0.0, 1.0].into_iter().zip(z) {
+            let p = wire.reference.point(u);
+            assert!((f64::from(p[2]) - z).abs() < 1e-4 && p[1].abs() < 1e-6, "{p:?} at {seconds}");
+        }
+    }
 }
 
 #[test]

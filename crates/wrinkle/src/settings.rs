@@ -98,7 +98,7 @@ pub enum Motion {
     /// Their references slide over the surface with them. Folds stop at a border.
     Travelling {
         /// Along and across, in units a second; of a ripple the first is outwards, and rings that leave come in again at the
-        /// centre. Radial creases move with their centre.
+        /// centre. Radial creases move with their centre, drawn ones each along itself and across.
         velocity: [f32; 2],
     },
 }
@@ -236,11 +236,11 @@ impl Wrinkle {
     pub fn moves(&self) -> bool {
         let keyed =
             |drawn: &Drawn| drawn.points.as_ref().is_some_and(|points| points.values().nth(1).is_some());
-        match (&self.pattern, &self.motion) {
-            (Pattern::Drawn(curves), _) => curves.iter().any(keyed),
-            (_, Motion::Travelling { velocity }) => *velocity != [0.0; 2],
-            (_, Motion::Anchored) => false,
-        }
+        let travels = match self.motion {
+            Motion::Travelling { velocity } => velocity != [0.0; 2],
+            Motion::Anchored => false,
+        };
+        travels || matches!(&self.pattern, Pattern::Drawn(curves) if curves.iter().any(keyed))
     }
 
     /// Whether the height varies along a crease at any time.

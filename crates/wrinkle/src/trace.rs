@@ -4,6 +4,7 @@ use glam::DVec3;
 use wirework_surface::{Step, Stop, Walker};
 
 use crate::ground::{Footing, Ground};
+use crate::travel::stop;
 
 /// How often a jump is halved, a point of the surface put between.
 const HALVINGS: u32 = 5;
@@ -14,8 +15,8 @@ pub(crate) struct Trace {
     steps: Vec<Step>,
     /// Arc length up to each step.
     lengths: Vec<f64>,
-    /// Of a line that was walked, the triangle in which each step and the next lie; otherwise empty.
-    triangles: Vec<u32>,
+    /// The triangle in which each step and the next lie; none where nobody walked there.
+    triangles: Vec<Option<u32>>,
     /// What is used of it, as lengths.
     pub(crate) from: f64,
     pub(crate) to: f64,
@@ -47,6 +48,7 @@ impl Trace {
         } else if way > 0.0 {
             self.to += way;
             self.steps.push(*point);
+            self.triangles.push(None);
             self.lengths.push(self.to);
         }
     }
@@ -78,7 +80,7 @@ impl Trace {
         (trace.steps, trace.lengths) = (vec![walker.step()], vec![0.0]);
         if stop == Stop::Arrived {
             let (walked, stop) = walker.walk(to - from, |way, step| {
-                trace.triangles.push(step.triangle);
+                trace.triangles.push(Some(step.triangle));
                 trace.steps.push(step);
                 trace.lengths.push(way);
             });
@@ -88,12 +90,48 @@ impl Trace {
         ahead
     }
 
+    /// Slides what is used of it by a signed way along itself, and straight on beyond its end, up to a border, where it stops over
+    /// the last `ease`.
+    pub(crate) fn slide(&mut self, ground: &Ground, way: f64, ease: f64) {
+        if way < 0.0 {
+            self.reverse();
+        }
+        let spare = (self.lengths.last().copied().unwrap_or(0.0) - self.to).max(0.0);
+        let beyond = self.onward(ground, (way.abs() - spare).max(0.0));
+        let room = match &beyond {
+            Some(Ahead { stop: Stop::Arrived, .. }) => f64::INFINITY,
+            Some(ahead) => spare + ahead.reached,
+            None => spare,
+        };
+        if let Some(ahead) = beyond {
+            let used = (self.from, self.to);
+            self.to = self.lengths.last().copied().unwrap_or(0.0);
+            self.append(ahead.trace);
+            (self.from, self.to) = used;
+        }
+        let gone = stop(way.abs(), room, ease);
+        self.from += gone;
+        self.to += gone;
+        if way < 0.0 {
+            self.reverse();
+        }
+    }
+
+    /// The way straight on from its end.
+    fn onward(&self, ground: &Ground, way: f64) -> Option<Ahead> {
+        let [.., before, last] = self.steps.as_slice() else { return None };
+        let heading = position(last) - position(before);
+        let mut walker = ground.terrain.walker_at(last, heading.to_array())?;
+        Some(Self::ahead(&mut walker, 0.0, way)).filter(|ahead| !ahead.trace.steps.is_empty())
+    }
+
     fn reverse(&mut self) {
         self.steps.reverse();
         self.triangles.reverse();
         self.lengths.reverse();
-        let length = self.to;
+        let length = self.lengths.first().copied().unwrap_or(0.0);
         self.lengths.iter_mut().for_each(|l| *l = length - *l);
+        (self.from, self.to) = (length - self.to, length - self.from);
     }
 
     /// Adds a line that starts where this one ends.
@@ -137,8 +175,12 @@ impl Trace {
         let (a, b) = (self.lengths[next - 1], self.lengths[next]);
         let x = ((s - a) / (b - a)).clamp(0.0, 1.0);
         let p = position(&self.steps[next - 1]).lerp(position(&self.steps[next]), x);
-        let within =
-            self.triangles.get(next - 1).and_then(|&triangle| ground.terrain.within(triangle, p.to_array()));
+        let within = self
+            .triangles
+            .get(next - 1)
+            .copied()
+            .flatten()
+            .and_then(|triangle| ground.terrain.within(triangle, p.to_array()));
         within.or_else(|| ground.step(p))
     }
 }
