@@ -488,6 +488,19 @@ impl Block {
         let uvs = self.tangent_uvs.as_ref().or(self.uvs.as_ref());
         uvs.map(Vec::as_slice).filter(|uvs| uvs.len() == self.count)
     }
+
+    /// Whether its triangles are turned round in the world.
+    pub(crate) fn mirrored(&self) -> bool {
+        self.frame.mirrored()
+    }
+
+    /// The matrices of its skin's joints, at rest; none without a skin.
+    pub(crate) fn joints(&self) -> Option<&[DAffine3]> {
+        match &self.frame {
+            Frame::Node(_) => None,
+            Frame::Skin { joints, .. } => Some(joints),
+        }
+    }
 }
 
 /// Unit directions of a block: at rest in the world, in the mesh, and now in the world.
