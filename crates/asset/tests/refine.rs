@@ -247,7 +247,7 @@ fn quantised_positions_become_floats_of_the_same_value() {
 fn weights_are_those_of_both_ends_and_add_up() {
     // Joints 0 and 1; the second is turned about z, so that the ends go different ways.
     for (turn, weights) in
-        [(0.0_f64, [0.5, 0.5, 0.0, 0.0]), (0.6, [1.0, 0.0, 0.0, 0.0]), (3.14, [0.25, 0.75, 0.0, 0.0])]
+        [(0.0_f64, [0.5, 0.5, 0.0, 0.0]), (0.6, [1.0, 0.0, 0.0, 0.0]), (3.1, [0.25, 0.75, 0.0, 0.0])]
     {
         let mut doc = skinned(weights);
         doc.json["nodes"][2]["rotation"] = json!([0.0, 0.0, (turn / 2.0).sin(), (turn / 2.0).cos()]);
