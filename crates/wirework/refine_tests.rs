@@ -37,11 +37,11 @@ fn longest(subject: &Subject) -> f32 {
 }
 
 /// What is written of a subject, as `apply` does it: an animation, or the still of a moment.
-fn written(subject: Subject, preset: &Preset, when: When) -> Gltf {
+fn written(subject: Subject, preset: &Preset, when: &When) -> Gltf {
     let limits = Limits::default();
     let masks = masks(&subject, &preset.effects, Path::new(""), &limits).unwrap().complete().unwrap();
     let (basis, model, point_of) = Basis::of(subject);
-    let schedule = schedule(&when, preset.duration, preset.animated, 8.0, 100).unwrap();
+    let schedule = schedule(when, preset.duration, preset.animated, 8.0, 100).unwrap();
     let motion = basis.bind(&preset.effects, masks).unwrap();
     let (shade, write) = (Duration::ZERO, Duration::ZERO);
     let mut film = Film { motion, schedule, shade, write, progress: &mut |_| {} };
@@ -106,7 +106,7 @@ fn a_mesh_becomes_finer_where_it_is_wanted() {
 fn a_scene_with_seams_stays_shut_on_all_roads() {
     let preset = preset(WAVE);
     let mesh = sphere([0.0; 3], 1.0, [12, 8]).unwrap();
-    let glb = written(Subject::from_mesh("ball", mesh).unwrap(), &preset, When::At(0.0)).to_glb().unwrap();
+    let glb = written(Subject::from_mesh("ball", mesh).unwrap(), &preset, &When::At(0.0)).to_glb().unwrap();
     let gltf = Gltf::from_slice(&glb, "ball.glb", &Limits::default()).unwrap();
     let coarse = Subject::from_gltf(gltf).unwrap();
     let points = coarse.points.clone();
@@ -118,12 +118,12 @@ fn a_scene_with_seams_stays_shut_on_all_roads() {
         Model::Mesh { .. } => panic!(),
     });
     assert_eq!(again.unwrap().point_of, subject.point_of, "read again it is the same");
-    let still = written(subject.clone(), &preset, When::At(1.0));
+    let still = written(subject.clone(), &preset, &When::At(1.0));
     assert!(assert_shut(&subject, &still) > 20);
     let rest = still.rest().unwrap();
     let moved = rest.positions.iter().zip(&subject.point_of);
     assert!(moved.filter(|(p, point)| **p != subject.points[**point as usize]).count() > 300);
-    let film = written(subject.clone(), &preset, When::All);
+    let film = written(subject.clone(), &preset, &When::All);
     assert_shut(&subject, &film);
     assert_eq!(film.clip_names().len(), 1);
     // Its end is the still.
@@ -175,7 +175,7 @@ fn real_files_become_finer_and_lose_nothing() {
         assert!(longest(&subject) <= wanted * 1.001, "{file}: {}", longest(&subject));
         assert!(!done.meshes.is_empty());
         assert_eq!(subject.warnings(), warnings, "nothing new to tell");
-        assert_shut(&subject, &written(subject.clone(), &preset, When::At(1.0)));
+        assert_shut(&subject, &written(subject.clone(), &preset, &When::At(1.0)));
     }
     for (file, wanted) in [("garment/male_casualsuit04.obj", 0.2), ("garment/plane_30x30.obj", 0.02)] {
         let Some(path) = shared(file) else { continue };
@@ -186,7 +186,7 @@ fn real_files_become_finer_and_lose_nothing() {
         assert!(done.meshes[0].after > done.meshes[0].before);
         let Model::Mesh { mesh, obj: Some(obj), .. } = &subject.model else { panic!() };
         assert_eq!(*mesh, obj.mesh);
-        let still = written(subject.clone(), &preset, When::At(1.0));
+        let still = written(subject.clone(), &preset, &When::At(1.0));
         assert!(still.rest().unwrap().positions.len() >= mesh.positions.len());
     }
 }

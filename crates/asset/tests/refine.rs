@@ -412,3 +412,39 @@ fn new_vertices_follow_a_clip_between_their_parents() {
     }
     assert!(alike > 50, "{alike} of {}", finer.parents.len());
 }
+
+#[test]
+fn hostile_files_are_refined_or_refused() {
+    let Some(folder) = shared().map(|assets| assets.join("../hostile")).filter(|folder| folder.exists())
+    else {
+        return;
+    };
+    let limits = Limits { expanded_bytes: 64 << 20, vertices: 200_000, ..Limits::default() };
+    let mut folders = vec![folder];
+    let (mut done, mut refused) = (0, 0);
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let Ok(mut gltf) = Gltf::read(&path, &limits) else { continue };
+            let Ok(rest) = gltf.rest() else { continue };
+            let size = rest.positions.as_flattened().iter().fold(1e-3_f32, |a, c| a.max(c.abs()));
+            let wanted = vec![size / 8.0; rest.positions.len()];
+            let limits = SubdivideLimits { vertices: 100_000, triangles: 200_000 };
+            let Ok(finer) = subdivide_vertices(&rest.positions, &rest.triangles, &wanted, limits) else {
+                refused += 1;
+                continue;
+            };
+            match gltf.refine(&rest, &finer) {
+                Ok(found) => done += usize::from(found.vertex_of.len() >= rest.positions.len()),
+                Err(error) => {
+                    assert!(!error.to_string().is_empty());
+                    refused += 1;
+                }
+            }
+        }
+    }
+    assert!(done > 20, "{done} refined, {refused} refused");
+}
