@@ -30,23 +30,24 @@ pub struct FinerMesh {
 }
 
 impl Subject {
-    /// The subject with edges short enough, and what was done. `wanted` is, for each of [`Subject::points`], the longest an edge
-    /// there may be: metres at rest, above 0, and [`f32::INFINITY`] where it does not matter.
+    /// The subject with edges short enough, and what was done. `wanted` is, for each of [`Subject::points`], the longest
+    /// an edge there may be: metres at rest, above 0, and [`f32::INFINITY`] where it does not matter.
     ///
-    /// Edges are halved; the points there are keep their numbers and their bits, and new ones are numbered behind them. The wanted length is
-    /// taken to be linear between points: a triangle is as fine as all its corners want, so that whoever wants it fine in its middle
-    /// says so at each of them. It grows by half of the way where others do not care, so that fine passes into coarse gradually.
+    /// Edges are halved; the points there are keep their numbers and their bits, and new ones are numbered behind them.
+    /// The wanted length is taken to be linear between points: no edge of a triangle is longer than what *all* its corners
+    /// want, and whoever wants it fine in its middle says so at each of them. Where others do not care it grows by half of
+    /// the way, so that fine passes into coarse gradually.
     ///
-    /// In a glTF document the nodes then show finer copies of their meshes, as [`Gltf::refine`] makes them; the document's own stay
-    /// in it. An OBJ file keeps its text, as [`Obj::refined`] says. Faces of polygon meshes without a long edge stay polygons. A subject that is fine enough
-    /// is returned as it is.
+    /// In a glTF document the nodes then show finer copies of their meshes, as [`Gltf::refine`] makes them; the document's
+    /// own stay in it. An OBJ file keeps its text, as [`Obj::refined`] says. Faces of polygon meshes without a long edge stay
+    /// polygons. A subject that is fine enough is returned as it is.
     ///
     /// The control points of a patch are not touched, which is a warning: how finely it is tessellated is for the preset to say.
     ///
     /// # Errors
     ///
-    /// [`JobError::Refine`]: a list of another length, a length that is not above 0. [`JobError::Asset`]: more vertices or indices than
-    /// `limits` allow, counted before they are made; attributes that are malformed.
+    /// [`JobError::Refine`]: a list of another length, a length that is not above 0. [`JobError::Asset`]: more vertices or
+    /// indices than `limits` allow, counted before they are made; attributes that are malformed.
     pub fn refined(self, wanted: &[f32], limits: &Limits) -> Result<(Self, Refinement), JobError> {
         if let Some(ControlNet { tessellation: [u, v], .. }) = &self.net {
             let warning = format!(
@@ -89,7 +90,8 @@ impl Subject {
     }
 }
 
-/// A mesh and the file it comes from, if there is one, both finer. The mesh is the file's own unless it has been placed elsewhere.
+/// A mesh and the file it comes from, if there is one, both finer. The mesh is the file's own unless it has been placed
+/// elsewhere.
 fn finer_mesh(
     mesh: &Mesh,
     obj: Option<&Obj>,
@@ -101,7 +103,8 @@ fn finer_mesh(
     Ok((if *mesh == obj.mesh { own.mesh.clone() } else { finer.apply(mesh) }, Some(own)))
 }
 
-/// A scene with finer meshes. New vertices share a point where their parents do, even if rounding has put them apart: no seam can open.
+/// A scene with finer meshes. New vertices share a point where their parents do, even if rounding has put them apart: no
+/// seam can open.
 fn finer_scene(
     mut gltf: Gltf,
     rest: &Rest,

@@ -11,10 +11,10 @@ use crate::error::AssetError;
 use crate::limits::Limits;
 
 impl Obj {
-    /// The file with its mesh subdivided. Groups, materials, comments and whatever else it holds stay where they are, and so do faces that
-    /// were not cut; those that were are lists of triangles. New vertices stand before the first of these, behind all old ones: those
-    /// that the file lists later are moved there, so that all keep their numbers, and numbers that are counted backwards become plain ones.
-    /// A new position between two with a colour has the mean of the two.
+    /// The file with its mesh subdivided. Groups, materials, comments and whatever else it holds stay where they are, and so
+    /// do faces that were not cut; those that were become triangles. New vertices stand before the first of these, behind all
+    /// old ones: those that the file lists later are moved there, so that all keep their numbers, and numbers that are counted
+    /// backwards become plain ones. A new position between two with a colour has the mean of the two.
     ///
     /// # Errors
     ///

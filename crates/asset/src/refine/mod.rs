@@ -76,12 +76,12 @@ impl Gltf {
     /// Gives nodes finer copies of their meshes. `finer` is a subdivision of the vertices and triangles of `rest`, the rest of
     /// this document.
     ///
-    /// Attributes of new vertices are the means of those of their parents: as floats, which hold all that is there exactly and what
-    /// lies between well enough, but joints, which stay integers, and attributes of applications (`_NAME`), which keep their
-    /// component type and are rounded. Normals and tangents are of length 1; weights are those of both parents, the largest of
-    /// them in as many sets as there were, and add up to 1; where those of old vertices do not, or their normals are of another
-    /// length, that is put right in the copy. Displacements of morph targets are means too. A skin's new vertices lie, at rest,
-    /// in the middle of their parents.
+    /// Attributes of new vertices are the means of those of their parents: as floats, which hold all that is there as it is
+    /// read and what lies between well enough, but joints, which stay integers, and attributes of applications (`_NAME`),
+    /// which keep their component type and are rounded. Normals and tangents are of length 1; weights are those of both
+    /// parents, the largest of them in as many sets as there were, and add up to 1; where those of old vertices do not, or
+    /// their normals are of another length, that is put right in the copy. Displacements of morph targets are means too. A
+    /// skin's new vertices lie, at rest, in the middle of their parents.
     ///
     /// # Errors
     ///

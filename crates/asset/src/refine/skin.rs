@@ -163,11 +163,12 @@ fn merged(mut list: Vec<(u32, f64)>) -> Vec<(u32, f64)> {
 }
 
 impl Gltf {
-    /// For a skin what to add to the middles of the parents of a block's new vertices, so that at rest they lie in the middle of
-    /// their parents in the world; elsewhere, and where that is nothing for all, nothing.
+    /// For a skin what to add to the middles of the parents of a block's new vertices, so that at rest they lie in the
+    /// middle of their parents in the world; elsewhere, and where that is nothing for all, nothing.
     ///
-    /// Two ends that hang on other joints are taken to the world in two ways; the middle, which is taken there in half of either,
-    /// would leave the chord by a quarter of the edge times their difference. In the pose in which the skin was bound there is none.
+    /// Two ends that hang on other joints are taken to the world in two ways; the middle, which is taken there in half of
+    /// either, would leave the chord by a quarter of the edge times their difference. In the pose in which the skin was
+    /// bound there is none.
     pub(super) fn shifts(
         &self,
         rest: &Rest,
