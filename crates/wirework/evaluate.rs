@@ -136,10 +136,7 @@ impl<'a> Evaluation<'a> {
         triangles: &'a [[u32; 3]],
         bounds: Option<Bounds>,
     ) -> Result<Self, EvaluateError> {
-        let frame = bounds.map_or(BoundsFrame { center: [0.0; 3], size: 0.0 }, |bounds| BoundsFrame {
-            center: bounds.center(),
-            size: bounds.largest_side(),
-        });
+        let frame = bounds_frame(bounds);
         let in_bounds = |effect: &Effect| effect.units == Units::Bounds;
         if let Some(effect) = effects.iter().position(in_bounds).filter(|_| !has_extent(&frame)) {
             return Err(EvaluateError::NoExtent { effect });
@@ -261,6 +258,14 @@ impl<'a> Evaluation<'a> {
     pub fn spent(&self) -> Spent {
         self.spent
     }
+}
+
+/// What `units: Bounds` are parts of.
+pub(crate) fn bounds_frame(bounds: Option<Bounds>) -> BoundsFrame {
+    bounds.map_or(BoundsFrame { center: [0.0; 3], size: 0.0 }, |bounds| BoundsFrame {
+        center: bounds.center(),
+        size: bounds.largest_side(),
+    })
 }
 
 /// Whether there is a size to count in.

@@ -4,7 +4,6 @@ use serde_json::json;
 
 use crate::content::Contents;
 use crate::document::{Buffer, Gltf, Source};
-use crate::edit::INDICES;
 use crate::error::AssetError;
 use crate::limits::Limits;
 
@@ -105,27 +104,12 @@ impl Gltf {
         if mesh.triangles.is_empty() {
             primitive["mode"] = json!(0);
         } else {
-            primitive["indices"] = json!(self.append_indices(mesh)?);
+            primitive["indices"] = json!(self.append_triangles(mesh.triangles, mesh.positions.len())?);
             primitive["material"] = json!(0);
         }
         let index = self.append("meshes", json!({ "name": mesh.name, "primitives": [primitive] }))?;
         self.append("nodes", json!({ "name": mesh.name, "mesh": index }))?;
         Ok(())
-    }
-
-    fn append_indices(&mut self, mesh: &NewMesh<'_>) -> Result<usize, AssetError> {
-        let flat = mesh.triangles.as_flattened();
-        // 65 535 is no index of 16 bits: it restarts primitives.
-        let short = u16::try_from(mesh.positions.len()).is_ok();
-        let mut bytes = crate::limits::reserve(flat.len() * if short { 2 } else { 4 })?;
-        for &index in flat {
-            bytes.extend_from_slice(&index.to_le_bytes()[..if short { 2 } else { 4 }]);
-        }
-        let view = self.append_view(bytes, Some(INDICES))?;
-        let kind = if short { 5123 } else { 5125 };
-        let accessor =
-            json!({ "bufferView": view, "componentType": kind, "count": flat.len(), "type": "SCALAR" });
-        self.append("accessors", accessor)
     }
 }
 

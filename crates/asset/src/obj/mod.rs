@@ -6,6 +6,7 @@
 mod census;
 mod paint;
 mod read;
+mod refine;
 mod write;
 
 use std::ops::Range;
