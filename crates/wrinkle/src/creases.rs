@@ -1,5 +1,6 @@
 //! All creases of a wrinkle, at any moment.
 
+use std::cell::RefCell;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -23,6 +24,11 @@ pub(crate) const MOST_SPANS: usize = 1 << 18;
 const NEAR: f64 = 1.06;
 /// Edges across a fold longer than this part of its thickness make it jagged.
 const COARSE: f64 = 1.0 / 3.0;
+
+thread_local! {
+    /// Grows to the largest surface and stays, so that creases that travel do not ask for it in every frame.
+    static BUFFER: RefCell<NearBuffer> = RefCell::default();
+}
 
 /// The creases of a wrinkle on a surface, ready for any moment.
 #[derive(Clone, Debug)]
@@ -195,10 +201,12 @@ impl Creases {
     /// Another sheet, though near, is not among them.
     pub fn near(&self) -> Vec<Near> {
         let widest = self.settings.thickness.values().copied().fold(0.0, f32::max);
-        let near = |buffer: &mut NearBuffer, crease: &Crease| {
-            self.ground.terrain.near(&crease.steps, f64::from(widest) * NEAR, buffer)
+        let near = |crease: &Crease| {
+            BUFFER.with_borrow_mut(|buffer| {
+                self.ground.terrain.near(&crease.steps, f64::from(widest) * NEAR, buffer)
+            })
         };
-        self.list.par_iter().map_init(NearBuffer::default, near).collect()
+        self.list.par_iter().map(near).collect()
     }
 
     /// Marks the vertices of the surface they were laid on whose triangles a crease reaches, where it is now, with the longest
