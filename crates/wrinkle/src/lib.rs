@@ -25,6 +25,8 @@
 mod compression;
 mod crease;
 mod creases;
+#[cfg_attr(not(test), expect(dead_code, reason = "wrinkles do not hang by it yet"))]
+mod curtain;
 mod drawn;
 mod fit;
 mod ground;
@@ -39,6 +41,7 @@ mod trace;
 mod travel;
 
 pub use creases::{Creases, creases};
+pub use curtain::{Curtain, Rail};
 pub use settings::{
     Branches, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning,
 };
