@@ -22,6 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bending;
 mod compression;
 mod crease;
 mod creases;
@@ -31,14 +32,19 @@ mod drawn;
 mod fit;
 mod ground;
 mod height;
+mod links;
 mod pattern;
 mod radial;
 mod random;
 mod ripple;
+mod rope;
+#[cfg_attr(not(test), expect(dead_code, reason = "wrinkles do not hang by it yet"))]
+mod ropes;
 mod settings;
 mod tangential;
 mod trace;
 mod travel;
+mod wind;
 
 pub use creases::{Creases, creases};
 pub use curtain::{Curtain, Rail};
