@@ -1,7 +1,8 @@
 //! Curves and densities as typed: `BSpline(degree: 3, points: [..], closed: false)`, `Quartic`, `Profile([..])`.
 
-use wirework_core::{Curve, CurveError, CurveKind, Density, Keyed, Profile, ProfileError};
+use wirework_core::{Curve, CurveError, CurveKind, Density, Profile, ProfileError};
 
+use crate::keyed_wire::Points;
 use crate::moments::key_nodes;
 use crate::read::{Fields, Reader, Within};
 use crate::tree::{Body, Node};
@@ -17,10 +18,7 @@ pub(crate) fn curve(reader: &mut Reader<'_>, node: &Node) -> Option<Curve> {
 }
 
 /// A curve, and its control points where they have keys.
-pub(crate) fn keyed_curve(
-    reader: &mut Reader<'_>,
-    node: &Node,
-) -> Option<(Curve, Option<Keyed<Vec<[f32; 3]>>>)> {
+pub(crate) fn keyed_curve(reader: &mut Reader<'_>, node: &Node) -> Option<(Curve, Option<Points>)> {
     of_points(reader, node, |reader, owner, degree, closed, node| {
         if node.name.is_none() {
             return Some((build(reader, owner, degree, closed, node)?, None));

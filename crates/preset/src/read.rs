@@ -266,6 +266,7 @@ impl<'s> Reader<'s> {
     }
 
     /// Closes a struct: fields that were not asked for do not exist.
+    #[expect(clippy::needless_pass_by_value, reason = "what is closed is not read on")]
     pub(crate) fn finish(&mut self, fields: Fields<'_>) {
         let unknown = fields.entries.iter().filter(|entry| !fields.known.contains(&entry.key.text.as_str()));
         for entry in unknown.take(MOST_NOTED) {

@@ -85,7 +85,7 @@ impl Crease {
         let mut spans = coarsest.clamp(fineness.least, *SPANS.end());
         for _ in 0..HALVINGS {
             let crease = Self::of_spans(ground, line, spans)?;
-            if spans >= fineness.most || crease.follows(ground, fineness.off, spans) {
+            if spans >= fineness.most || crease.follows(ground, fineness.off) {
                 return Some(crease);
             }
             spans = (spans * 2).min(fineness.most);
@@ -121,12 +121,11 @@ impl Crease {
     }
 
     /// Whether it keeps to the surface and to its height between the nodes: where spans meet.
-    fn follows(&self, ground: &Ground, allowed: f64, spans: usize) -> bool {
+    fn follows(&self, ground: &Ground, allowed: f64) -> bool {
         let Ok(lift) = self.reference.posed(self.lift.clone()) else { return true };
-        (0..=spans).all(|i| {
-            let u = i as f32 / spans as f32;
-            let off = ground.distance(wide(self.reference.point(u)));
-            off <= allowed && (wide(lift.point(u)).length() - 1.0).abs() <= OFF_UNIT
+        let mut joints = self.reference.sampled(1).into_iter().zip(lift.sampled(1));
+        joints.all(|(point, lift)| {
+            ground.distance(wide(point)) <= allowed && (wide(lift).length() - 1.0).abs() <= OFF_UNIT
         })
     }
 }
