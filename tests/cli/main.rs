@@ -6,6 +6,7 @@ mod commands;
 mod document;
 mod effects;
 mod exit_codes;
+mod faults;
 mod hostile;
 mod inspect;
 mod made_files;

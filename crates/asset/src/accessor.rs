@@ -98,6 +98,13 @@ pub(crate) struct Accessor<'a> {
 impl Gltf {
     /// The accessor that `reference` names, with all its ranges checked.
     pub(crate) fn accessor<'a>(&'a self, reference: Json<'_>) -> Result<Accessor<'a>, AssetError> {
+        let accessor = self.declared(reference)?;
+        accessor.check_rising()?;
+        Ok(accessor)
+    }
+
+    /// The same by what the document says of it; nothing of its data is looked at, so that this takes no time.
+    pub(crate) fn declared<'a>(&'a self, reference: Json<'_>) -> Result<Accessor<'a>, AssetError> {
         let (index, json) = self.follow("accessors", reference)?;
         let component = Component::read(json.need("componentType")?)?;
         let kind = json.need("type")?;
@@ -215,15 +222,7 @@ impl Gltf {
         let index_type = index_type(index_json.need("componentType")?)?;
         let indices = self.packed(index_json, count, index_type.size())?;
         let values = self.packed(json.need("values")?, count, size)?;
-        let sparse = Sparse { index_type, indices, values };
-        let mut least = 0;
-        for index in sparse.indices() {
-            if index < least || index >= of {
-                return Err(index_json.found(format!("index {index}"), format!("rising indices below {of}")));
-            }
-            least = index + 1;
-        }
-        Ok(sparse)
+        Ok(Sparse { index_type, indices, values })
     }
 }
 
@@ -252,6 +251,19 @@ impl<'a> Sparse<'a> {
 }
 
 impl<'a> Accessor<'a> {
+    /// Checks that sparse elements come in their order, each once.
+    fn check_rising(&self) -> Result<(), AssetError> {
+        let (of, mut least) = (self.count, 0);
+        for index in self.sparse.iter().flat_map(Sparse::indices) {
+            if index < least || index >= of {
+                let place = self.json.need("sparse")?.need("indices")?;
+                return Err(place.found(format!("index {index}"), format!("rising indices below {of}")));
+            }
+            least = index + 1;
+        }
+        Ok(())
+    }
+
     /// All elements as `N` floats each; normalised integers as the standard says. `N` is [`Accessor::lanes`].
     pub(crate) fn floats<const N: usize>(&self, budget: &mut Budget) -> Result<Vec<[f32; N]>, AssetError> {
         if self.component == Component::F32 {

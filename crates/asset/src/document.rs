@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::container;
-use crate::edit::whole;
 use crate::error::{AssetError, Place, Warning};
 use crate::json::Json;
 use crate::limits::{Budget, Limits, Of, reserve};
@@ -155,7 +154,7 @@ impl Gltf {
         check_version(gltf.root())?;
         check_extensions(gltf.root())?;
         gltf.load_buffers(budget)?;
-        gltf.check_views();
+        gltf.survey();
         Ok(gltf)
     }
 
@@ -169,7 +168,8 @@ impl Gltf {
         &self.json
     }
 
-    /// What was repaired or dropped when the document was read, or left unrepaired when it was edited.
+    /// What was repaired or dropped when the document was read, or left unrepaired when it was edited; and what the standard
+    /// does not allow and no reading has met yet: of what is not read it comes out as it is.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
@@ -243,25 +243,6 @@ impl Gltf {
         self.buffers = buffers;
         self.orphan = bin;
         self.decode_views()
-    }
-
-    /// Warns of views that end beyond their buffer. Where geometry uses one it is an error there.
-    fn check_views(&mut self) {
-        let mut warnings = Vec::new();
-        for (index, view) in self.list("bufferViews").iter().enumerate() {
-            let number = |key| view.get(key).and_then(whole);
-            let Some(buffer) = number("buffer").and_then(|buffer| self.buffers.get(buffer)) else { continue };
-            let (offset, length) = (number("byteOffset").unwrap_or(0), number("byteLength").unwrap_or(0));
-            if offset.checked_add(length).is_none_or(|end| end > buffer.length) {
-                let message = format!(
-                    "{length} bytes from byte {offset} are beyond the {} bytes of the buffer; the view stays as it is",
-                    buffer.length
-                );
-                let place = Place::Pointer(format!("/bufferViews/{index}"));
-                warnings.push(Warning::new("view-range", place, message));
-            }
-        }
-        self.warnings.append(&mut warnings);
     }
 
     fn load_uri(&self, uri: Json<'_>, budget: &mut Budget) -> Result<(Vec<u8>, Source), AssetError> {
