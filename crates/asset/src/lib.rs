@@ -20,6 +20,7 @@ mod delta;
 mod document;
 mod edit;
 mod error;
+mod even;
 mod graph;
 mod image;
 mod json;
