@@ -13,7 +13,7 @@ use crate::presets;
 
 pub(crate) fn run(console: Console, args: &Inspect) -> Result<(), Failure> {
     if presets::is_preset(&args.file) {
-        let preset = presets::read(console, &args.file, &args.limits.preset(), false)?;
+        let preset = presets::read(console, &args.file, &args.limits.preset(false), false)?;
         let facts = PresetFacts::of(&preset.parsed);
         return print(if args.json { json(&facts)? } else { preset_table(&facts) }.as_bytes());
     }

@@ -252,3 +252,24 @@ fn a_report_never_takes_the_place_of_anything() {
     }
     assert!(place.read("out.json").starts_with(b"{"));
 }
+
+#[test]
+fn the_object_that_a_model_replaces_may_be_as_large_as_it_likes() {
+    let place = place();
+    for (line, own) in [
+        ("apply lift.ron {} -o out.glb --at 1", "apply lift.ron -o out.glb --at 1"),
+        (
+            "render lift.ron {} -o out.png --at 1 --fast --size 32x32",
+            "render lift.ron -o out.png --at 1 --fast --size 32x32",
+        ),
+        ("check lift.ron --on {}", "check lift.ron"),
+    ] {
+        let on =
+            |limit: u32| place.run(&format!("{} --max-vertices {limit}", line.replace("{}", "triangle.obj")));
+        on(3).expect(0);
+        // The model is not.
+        assert!(on(2).expect(5).err().contains("triangle.obj"), "{line}");
+        let err = place.run(&format!("{own} --max-vertices 3")).expect(5).err();
+        assert!(err.contains("lift.ron:2:13") && err.contains("--max-vertices raises it"), "{err}");
+    }
+}
