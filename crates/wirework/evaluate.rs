@@ -136,10 +136,7 @@ impl<'a> Evaluation<'a> {
         triangles: &'a [[u32; 3]],
         bounds: Option<Bounds>,
     ) -> Result<Self, EvaluateError> {
-        let frame = bounds.map_or(BoundsFrame { center: [0.0; 3], size: 0.0 }, |bounds| BoundsFrame {
-            center: bounds.center(),
-            size: bounds.largest_side(),
-        });
+        let frame = frame_of(bounds);
         let in_bounds = |effect: &Effect| effect.units == Units::Bounds;
         if let Some(effect) = effects.iter().position(in_bounds).filter(|_| !has_extent(&frame)) {
             return Err(EvaluateError::NoExtent { effect });
@@ -225,8 +222,16 @@ impl<'a> Evaluation<'a> {
     }
 }
 
+/// The frame of `units: Bounds`; it has an extent or not.
+pub(crate) fn frame_of(bounds: Option<Bounds>) -> BoundsFrame {
+    bounds.map_or(BoundsFrame { center: [0.0; 3], size: 0.0 }, |bounds| BoundsFrame {
+        center: bounds.center(),
+        size: bounds.largest_side(),
+    })
+}
+
 /// Whether there is a size to count in.
-fn has_extent(frame: &BoundsFrame) -> bool {
+pub(crate) fn has_extent(frame: &BoundsFrame) -> bool {
     frame.size > 0.0 && frame.size.is_finite() && frame.center.iter().all(|c| c.is_finite())
 }
 

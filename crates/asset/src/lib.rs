@@ -51,7 +51,7 @@ mod way;
 
 pub use census::NodeCensus;
 pub use clip::{Clip, WeightTrack};
-pub use document::Gltf;
+pub use document::{Gltf, Outline};
 pub use error::{AssetError, ErrorClass, Place, Warning, printable};
 pub use image::EncodedImage;
 pub use limits::Limits;

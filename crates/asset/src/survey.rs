@@ -79,12 +79,14 @@ impl Survey<'_> {
         self.samplers = entry.get("samplers").and_then(Value::as_array).map_or(0, Vec::len);
         self.value(at, entry, &Kind::Object(members), false);
         let Some(entry) = entry.as_object().filter(|_| self.found == before) else { return };
+        // Of a document that is refused they are not all there.
+        let loaded = self.gltf.buffers.len() == self.gltf.list("buffers").len();
         match key {
-            "bufferViews" if !self.gltf.undecoded.contains_key(&index) => {
+            "bufferViews" if loaded && !self.gltf.undecoded.contains_key(&index) => {
                 let reference = Value::from(index);
                 self.check("view", "/bufferViews", self.gltf.view(Json::root(&reference)).err());
             }
-            "accessors" => {
+            "accessors" if loaded => {
                 let reference = Value::from(index);
                 // What is wrong with a view is told there.
                 self.check("accessor", "/accessors", self.gltf.declared(Json::root(&reference)).err());
