@@ -17,7 +17,7 @@ use crate::json::Json;
 use crate::limits::{Budget, Of};
 use crate::primitive::Mode;
 use crate::skin::{Influences, Skin};
-use crate::tangent;
+use crate::tangent::{self, Mapped};
 use crate::way::{Way, double, place, single};
 
 /// Everything the scene of a document shows, as one set of vertices in world space.
@@ -192,7 +192,7 @@ impl Shown<'_> {
         let own = self.graph.nodes[self.node].weights.as_deref();
         let weights = default_weights(self.gltf, self.node, own, mesh, targets)?;
         let mut blocks: BTreeMap<Vec<(String, usize)>, usize> = BTreeMap::new();
-        let mut sets = BTreeMap::new();
+        let mut sets: BTreeMap<usize, Vec<Mapped<'_>>> = BTreeMap::new();
         for (index, primitive) in primitives.items()?.enumerate() {
             let list = attributes::check(self.gltf, primitive)?;
             if !list.iter().any(|(key, _)| key == "POSITION") {
@@ -211,13 +211,15 @@ impl Shown<'_> {
             let set = self.gltf.tangent_set(primitive).filter(|_| rest.blocks[block].tangents.is_some());
             if let (Some(set), Some(part)) = (set, rest.parts.last_mut()) {
                 part.normal_mapped = true;
-                sets.entry(block).or_insert((set, primitive));
+                let triangles = part.first_triangle..part.first_triangle + part.triangle_count;
+                sets.entry(block).or_default().push(Mapped { primitive, set, triangles });
             }
         }
-        for (block, (set, primitive)) in sets.into_iter().filter(|(_, (set, _))| *set != 0) {
-            let warnings = &mut rest.warnings;
-            let uvs = attributes::texture_coordinates(self.gltf, primitive, set, budget, warnings)?;
-            rest.blocks[block].tangent_uvs = Some(uvs.unwrap_or_default());
+        for (block, mapped) in sets {
+            let Rest { blocks, triangles, warnings, .. } = &mut *rest;
+            let range = blocks[block].first..blocks[block].first + blocks[block].count;
+            blocks[block].tangent_uvs =
+                tangent::coordinates(self.gltf, &mapped, range, triangles, budget, warnings)?;
         }
         Ok(())
     }
@@ -483,7 +485,8 @@ impl Rest {
 }
 
 impl Block {
-    /// The texture coordinates that the tangents belong to: those of the first normal map, else the first set.
+    /// The texture coordinates that the tangents belong to: at each vertex those of the first normal map on a primitive that has it,
+    /// else those of the block's first normal map, else the first set.
     pub fn tangent_uvs(&self) -> Option<&[[f32; 2]]> {
         let uvs = self.tangent_uvs.as_ref().or(self.uvs.as_ref());
         uvs.map(Vec::as_slice).filter(|uvs| uvs.len() == self.count)
