@@ -14,6 +14,7 @@ mod made_files;
 mod masks;
 mod morphs;
 mod nothing_lost;
+mod obj_looks;
 mod place;
 mod player;
 mod real_files;

@@ -193,7 +193,9 @@ impl Reader<'_> {
         let read = self.decoded(image).map(Arc::new);
         if let Err(message) = &read {
             let place = Place::Pointer(format!("/images/{image}"));
-            let doubt = Warning { code: "image", place, message: format!("{message}; it is left out") };
+            let name = self.gltf.json()["images"][image]["name"].as_str();
+            let name = name.map_or_else(String::new, |name| format!("\"{name}\": "));
+            let doubt = Warning { code: "image", place, message: format!("{name}{message}; it is left out") };
             if !self.gltf.tells_of(&doubt) {
                 self.warnings.push(format!("{}: {doubt}", printable(self.gltf.file())));
             }
