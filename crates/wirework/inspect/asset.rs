@@ -71,7 +71,9 @@ fn outline(path: &Path, limits: &Limits, error: &JobError) -> AssetFacts {
             let warnings = warnings.map(|warning| format!("{file}: {warning}")).collect();
             AssetFacts { warnings, ..of_document(&outline.json, outline.binary) }
         }
-        Some(FileKind::Obj) if path.is_file() => AssetFacts { container: Some("obj"), ..AssetFacts::default() },
+        Some(FileKind::Obj) if path.is_file() => {
+            AssetFacts { container: Some("obj"), ..AssetFacts::default() }
+        }
         _ => AssetFacts::default(),
     }
 }
