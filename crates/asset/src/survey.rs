@@ -79,8 +79,7 @@ impl Survey<'_> {
         self.samplers = entry.get("samplers").and_then(Value::as_array).map_or(0, Vec::len);
         self.value(at, entry, &Kind::Object(members), false);
         let Some(entry) = entry.as_object().filter(|_| self.found == before) else { return };
-        // Of a document that is refused they are not all there.
-        let loaded = self.gltf.buffers.len() == self.gltf.list("buffers").len();
+        let loaded = self.loaded();
         match key {
             "bufferViews" if loaded && !self.gltf.undecoded.contains_key(&index) => {
                 let reference = Value::from(index);
@@ -100,6 +99,12 @@ impl Survey<'_> {
             "images" if !entry.contains_key("extensions") => self.need(at, entry, Some("uri")),
             _ => {}
         }
+    }
+
+    /// Whether the buffers are there: of a document that is refused they need not be.
+    fn loaded(&self) -> bool {
+        let table = self.gltf.json.get("buffers");
+        table.is_none_or(Value::is_array) && self.gltf.buffers.len() == self.gltf.list("buffers").len()
     }
 
     fn members(&mut self, above: Option<&At<'_>>, object: &Map<String, Value>, members: &'static [Member]) {
@@ -130,10 +135,9 @@ impl Survey<'_> {
                     self.value(&At { above: Some(at), step: Step::Key(key) }, value, kind, false);
                 }
             }
-            (Kind::List(kind), Value::Array(items)) => {
-                for (index, item) in items.iter().enumerate() {
-                    self.value(&At { above: Some(at), step: Step::Index(index) }, item, kind, false);
-                }
+            (Kind::List(kind), Value::Array(items)) => self.items(at, items, kind),
+            (Kind::Numbers(count), Value::Array(items)) if items.len() == count => {
+                self.items(at, items, &Kind::Number);
             }
             // A table that is none has been told.
             (Kind::Index(table), _) if self.gltf.json.get(table).is_some_and(|table| !table.is_array()) => {}
@@ -145,6 +149,12 @@ impl Survey<'_> {
             (Kind::Word(_), Value::String(_)) | (Kind::Code(_), Value::Number(_)) if extended => {}
             (kind, value) if kind.has(value) => {}
             (kind, value) => self.wrong(at, value, &kind.described()),
+        }
+    }
+
+    fn items(&mut self, at: &At<'_>, items: &[Value], kind: &Kind) {
+        for (index, item) in items.iter().enumerate() {
+            self.value(&At { above: Some(at), step: Step::Index(index) }, item, kind, false);
         }
     }
 
@@ -205,12 +215,15 @@ impl Kind {
             Self::Number => value.is_number(),
             Self::Whole => whole(value).is_some(),
             Self::Text => value.is_string(),
-            Self::Numbers(count) => {
-                value.as_array().is_some_and(|list| list.len() == count && list.iter().all(Value::is_number))
-            }
             Self::Word(words) => value.as_str().is_some_and(|word| words.contains(&word)),
             Self::Code(codes) => whole(value).is_some_and(|code| codes.contains(&(code as u64))),
-            Self::Index(_) | Self::Sampler | Self::List(_) | Self::Map(_) | Self::Object(_) => false,
+            // Those with parts are looked into; here they are something else.
+            Self::Numbers(_)
+            | Self::Index(_)
+            | Self::Sampler
+            | Self::List(_)
+            | Self::Map(_)
+            | Self::Object(_) => false,
         }
     }
 

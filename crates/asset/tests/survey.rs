@@ -109,6 +109,7 @@ fn what_nobody_reads_is_told_once_and_comes_out_as_it_is() {
         ("/cameras", json!({}), "value", None),
         ("/materials/0", json!(null), "value", None),
         ("/materials/0/emissiveFactor", json!([1, 1]), "value", None),
+        ("/materials/0/emissiveFactor/1", json!(null), "value", None),
         ("/materials/0/alphaMode", json!("HALF"), "value", None),
         ("/materials/0/doubleSided", json!(1), "value", None),
         ("/materials/0/extensions", json!([]), "value", None),
