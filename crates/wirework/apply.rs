@@ -13,6 +13,8 @@ use crate::motion::Basis;
 use crate::output::{Pattern, Scene, Target};
 use crate::report::peak_bytes;
 use crate::source::{Source, parts};
+use crate::strain::{Length, driving_clip, sense};
+use crate::subject::Model;
 use crate::{JobError, Report, Schedule, When, schedule};
 
 /// What to apply, to what, and how.
@@ -118,8 +120,11 @@ pub(crate) fn on_threads<T: Send>(
 fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, JobError> {
     let start = Instant::now();
     let preset = job.preset;
-    let schedule = schedule(&job.when, preset.duration, preset.animated, job.fps, job.max_frames)?;
-    let target = target(job, &schedule)?;
+    let times =
+        |length: Length| schedule(&job.when, length.seconds, length.animated, job.fps, job.max_frames);
+    // How long a clip is that the effect follows is known when it has been read.
+    let expected = times(Length { animated: preset.animated || preset.follows_clip, ..Length::of(preset) })?;
+    let target = target(job, &expected)?;
     let source = job.source();
     for path in source.files() {
         guard_report(job, &path)?;
@@ -127,7 +132,6 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     let subject = source.subject()?;
     let mut report = Report {
         points: subject.position_count(),
-        frames: schedule.count(),
         threads: rayon::current_num_threads(),
         warnings: subject.warnings(),
         ..Report::default()
@@ -140,12 +144,21 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     for path in parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())) {
         guard_report(job, &path)?;
     }
-    let motion = basis.bind(&preset.effects, masks)?;
+    let mut motion = basis.bind(&preset.effects, masks)?;
+    let clip = driving_clip(&motion.evaluation, &model, job.clip)?;
+    let length = match (clip, &model) {
+        (Some(clip), Model::Gltf { gltf, rest }) => {
+            Length::of(preset).with_clip(preset, sense(&mut motion, gltf, rest, &point_of, clip)?)
+        }
+        _ => Length::of(preset),
+    };
+    let schedule = times(length)?;
+    report.frames = schedule.count();
     let mut film = Film { motion, schedule, shade: Duration::ZERO, write: Duration::ZERO, progress };
     let product = match (target, model) {
         (Target::Gltf(format), model) => film.gltf(job, format, Scene::new(model, point_of, &job.limits)?)?,
-        (Target::Obj, model) => film.obj(None, model, point_of, job.output)?,
-        (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, None)?,
+        (Target::Obj, model) => film.obj(None, model, point_of, clip, job.output)?,
+        (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, clip, None)?,
     };
     report.warnings.extend(product.warnings);
     report.warnings.extend(source.effect_warnings(&film.motion.evaluation));

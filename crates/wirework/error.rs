@@ -181,11 +181,15 @@ fn of_evaluation(error: &EvaluateError) -> Fault {
         // What stands below is the result of another effect.
         EvaluateError::Wrinkle {
             effect: 1..,
-            error: WrinkleError::NoNormal { .. } | WrinkleError::Surface(NearestError::Vertex { .. }),
+            error:
+                WrinkleError::NoNormal { .. }
+                | WrinkleError::NoNormalAtCenter
+                | WrinkleError::Surface(NearestError::Vertex { .. }),
         } => Fault::Preset,
         // A point set, where the effect needs faces, or points at one place, where it needs an extent.
         EvaluateError::Wrinkle {
-            error: WrinkleError::Surface(_) | WrinkleError::NoNormal { .. }, ..
+            error: WrinkleError::Surface(_) | WrinkleError::NoNormal { .. } | WrinkleError::NoNormalAtCenter,
+            ..
         }
         | EvaluateError::NoExtent { .. } => Fault::Asset,
         EvaluateError::Bind { error: BindError::TooManyPoints(_), .. } => Fault::Limit,

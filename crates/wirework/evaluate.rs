@@ -2,7 +2,7 @@
 //!
 //! What can be done once is: points are bound when the evaluation is made, creases are laid then. Each effect works on the
 //! result of the one before; it is bound again only where that result has changed. Its creases are laid once all the same,
-//! on that result at 0 s, and stay on the same material of what moves below them.
+//! on that result at 0 s, and stay on the same material of what moves below them; those that travel do so over that material.
 //!
 //! `units: Bounds` are parts of the object at rest, for all effects of a list alike. A lattice stays where it is, whatever the
 //! effects before it have done to the object.
@@ -13,7 +13,7 @@ use thiserror::Error;
 use wirework_core::{BindError, Lattice, LatticeError, Wire};
 use wirework_preset::{BoundsFrame, Effect, Units};
 use wirework_surface::Bounds;
-use wirework_wrinkle::WrinkleError;
+use wirework_wrinkle::{WrinkleError, WrinkleWarning};
 
 use crate::mask::{EffectMasks, Masks};
 use crate::stage::Stage;
@@ -147,7 +147,7 @@ impl<'a> Evaluation<'a> {
         let mut stages: Vec<Stage> = effects.iter().zip(masks).enumerate().map(stage).collect();
         let mut spent = Spent::default();
         if let Some(first) = stages.first_mut() {
-            first.bind(0.0, points, triangles, &mut spent)?;
+            first.follow(0.0, (points, points), triangles, &mut spent)?;
         }
         let mut new = Self { points, triangles, stages, base: Vec::new(), spent, warnings };
         if new.stages.len() > 1 {
@@ -165,14 +165,52 @@ impl<'a> Evaluation<'a> {
             return Err(EvaluateError::PointCount { points: self.points.len(), found: out.len() });
         }
         for (index, stage) in self.stages.iter_mut().enumerate() {
+            let mut base = self.points;
             if index > 0 {
                 self.base.clear();
                 self.base.extend_from_slice(out);
-                stage.follow(seconds, &self.base, self.triangles, &mut self.spent)?;
+                base = &self.base;
             }
+            stage.follow(seconds, (self.points, base), self.triangles, &mut self.spent)?;
             stage.deform(seconds, out, &mut self.spent)?;
         }
         Ok(())
+    }
+
+    pub(crate) fn effect_count(&self) -> usize {
+        self.stages.len()
+    }
+
+    /// Whether compression of the surface drives an effect.
+    pub fn is_driven(&self) -> bool {
+        self.stages.iter().any(Stage::is_driven)
+    }
+
+    /// The compression that drives an effect, where the points have moved to `now`; for [`Evaluation::record`].
+    pub(crate) fn compression(&self, effect: usize, now: &[[f32; 3]]) -> Vec<f32> {
+        self.stages.get(effect).map_or_else(Vec::new, |stage| stage.compression(self.points, now))
+    }
+
+    /// Tells each effect the compression that drives it, at equal steps from 0 s on. Without that an effect is driven by what the
+    /// effects before it do.
+    pub(crate) fn record(&mut self, step: f64, readings: Vec<Vec<Vec<f32>>>) {
+        for (stage, readings) in self.stages.iter_mut().zip(readings) {
+            stage.record(step, readings);
+        }
+    }
+
+    /// What creases lack: each with its effect, from 0.
+    pub(crate) fn crease_warnings(&self) -> impl Iterator<Item = (usize, &WrinkleWarning)> {
+        self.stages
+            .iter()
+            .enumerate()
+            .flat_map(|(index, stage)| stage.warnings().iter().map(move |w| (index, w)))
+    }
+
+    /// The effects, from 0, that compression is to drive and that nothing tells of any.
+    pub(crate) fn unmoved(&self) -> impl Iterator<Item = usize> {
+        let unmoved = |(index, stage): (usize, &Stage)| stage.is_unmoved().then_some(index);
+        self.stages.iter().enumerate().filter_map(unmoved)
     }
 
     /// How many wires there are, over all effects that were evaluated.

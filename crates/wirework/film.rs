@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use wirework_asset::{Clip, Format, Gltf, Obj, OutputFile, write_obj};
+use wirework_asset::{Clip, Format, Gltf, LocalDeltas, Obj, OutputFile, Player, Rest, write_obj};
 use wirework_bake::{Baker, Settings};
 use wirework_surface::Mesh;
 
@@ -100,11 +100,13 @@ impl Film<'_> {
         Ok(Product { files, warnings, clip })
     }
 
+    /// Files of a scene or a mesh. A scene is as `clip` poses it, where that drives the effect; else at rest.
     pub(crate) fn obj(
         &mut self,
         pattern: Option<&Pattern>,
         model: Model,
         point_of: Vec<u32>,
+        clip: Option<usize>,
         output: Option<&Path>,
     ) -> Result<Product, JobError> {
         let mut files = Vec::new();
@@ -115,12 +117,19 @@ impl Film<'_> {
         };
         let start = Instant::now();
         match model {
-            Model::Gltf { rest, .. } => {
+            Model::Gltf { gltf, rest } => {
                 let mut vertices = [Vertices::of_scene(&rest, point_of)?];
+                let mut posed = clip.map(|clip| Posed::new(&gltf, &rest, clip)).transpose()?;
                 self.shade += start.elapsed();
-                self.play(&mut vertices, |frame, _, vertices| {
+                self.play(&mut vertices, |frame, seconds, vertices| {
                     let [vertices] = vertices else { return Ok(()) };
-                    keep(frame, write_obj(&scene_mesh(&rest, &vertices.positions, vertices.normals())));
+                    let (mut positions, mut normals) = (vertices.positions.as_slice(), vertices.normals());
+                    if let Some(posed) = &mut posed {
+                        posed.pose(&rest, seconds, positions, normals)?;
+                        positions = &posed.positions;
+                        normals = normals.and(Some(&posed.normals));
+                    }
+                    keep(frame, write_obj(&scene_mesh(&rest, positions, normals)));
                     Ok(())
                 })?;
             }
@@ -137,6 +146,33 @@ impl Film<'_> {
             }
         }
         Ok(Product { files, ..Product::default() })
+    }
+}
+
+/// A scene as a clip poses it, with an effect on it.
+struct Posed<'a> {
+    player: Player<'a>,
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+}
+
+impl<'a> Posed<'a> {
+    fn new(gltf: &'a Gltf, rest: &Rest, clip: usize) -> Result<Self, JobError> {
+        Ok(Self { player: gltf.player(rest, Some(clip))?, positions: Vec::new(), normals: Vec::new() })
+    }
+
+    /// Poses vertices that the effect has moved from the rest.
+    fn pose(
+        &mut self,
+        rest: &Rest,
+        seconds: f64,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+    ) -> Result<(), JobError> {
+        let local = |block| rest.to_local(block, positions, normals, None);
+        let deltas: Vec<LocalDeltas> = (0..rest.blocks.len()).map(local).collect();
+        self.player.pose_into(seconds, Some(&deltas), &mut self.positions, &mut self.normals)?;
+        Ok(())
     }
 }
 

@@ -5,7 +5,6 @@ mod parts;
 
 use serde::Serialize;
 use wirework_preset::{Action, Effect, Mask, Object, Only, Parsed, PatchDeform, Shape, Units};
-use wirework_wrinkle::Pattern;
 
 pub use asset::{RefusedAsset, inspect_asset};
 pub use parts::{NodeFacts, PartFacts};
@@ -149,13 +148,7 @@ impl PresetFacts {
 fn of_effect(effect: &Effect) -> EffectFacts {
     let (name, wires, lattice) = match &effect.action {
         Action::Deform(deform) => ("Deform", deform.wires.len(), deform.lattice.map(|lattice| lattice.cells)),
-        Action::Wrinkle(wrinkle) => {
-            let wires = match &wrinkle.pattern {
-                Pattern::Drawn(curves) => curves.len(),
-                _ => 0,
-            };
-            ("Wrinkle", wires, None)
-        }
+        Action::Wrinkle(wrinkle) => ("Wrinkle", wrinkle.crease_count(), None),
     };
     let mask = |mask: &Mask| match mask {
         Mask::VertexColor { channel, .. } => format!("VertexColor({channel:?})"),

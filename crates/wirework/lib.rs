@@ -136,6 +136,7 @@ mod schedule;
 mod shade;
 mod source;
 mod stage;
+mod strain;
 mod subject;
 mod weld;
 

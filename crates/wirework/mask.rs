@@ -10,11 +10,13 @@ mod plane;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use wirework_asset::{AssetError, Limits, printable};
 use wirework_preset::{Action, Effect, Mask, Only, PresetError, PresetErrorKind};
+use wirework_surface::Near;
 
 use crate::{JobError, Model, Subject};
 
@@ -83,11 +85,44 @@ impl EffectMasks {
         self.all.as_deref()
     }
 
-    /// What multiplies `F` of each of the effect's `count` wires.
-    pub(crate) fn of_wires(&self, count: usize) -> Vec<Option<&[f32]>> {
+    /// What multiplies `F` of each of the effect's `count` wires, which act only near themselves, where `near` says so.
+    pub(crate) fn of_wires<'a>(&'a self, near: &'a [Near], count: usize) -> Vec<WireMask<'a>> {
         let own = |wire| self.wires.get(wire).map_or(self.of_effect(), Option::as_deref);
-        (0..count).map(own).collect()
+        let mask = |wire| match (own(wire), near.get(wire)) {
+            (None, None) => WireMask::None,
+            (Some(factors), None) => WireMask::All(factors),
+            (None, Some(near)) => WireMask::Near(near, Cow::Borrowed(&near.factors)),
+            (Some(factors), Some(near)) => WireMask::Near(near, Cow::Owned(product(near, factors))),
+        };
+        (0..count).map(mask).collect()
     }
+}
+
+/// What multiplies `F` of a wire.
+pub(crate) enum WireMask<'a> {
+    None,
+    All(&'a [f32]),
+    Near(&'a Near, Cow<'a, [f32]>),
+}
+
+impl WireMask<'_> {
+    pub(crate) fn borrow(&self) -> Option<wirework_core::Mask<'_>> {
+        match self {
+            Self::None => None,
+            Self::All(factors) => Some(wirework_core::Mask::Dense(factors)),
+            Self::Near(near, factors) => {
+                Some(wirework_core::Mask::Sparse { points: &near.vertices, factors })
+            }
+        }
+    }
+}
+
+/// The factors of points near a wire, times those that hold everywhere.
+fn product(near: &Near, factors: &[f32]) -> Vec<f32> {
+    let own = |slot: usize| near.factors.get(slot).copied().unwrap_or(1.0);
+    let factor =
+        |(slot, point): (usize, &u32)| own(slot) * factors.get(*point as usize).copied().unwrap_or(0.0);
+    near.vertices.iter().enumerate().map(factor).collect()
 }
 
 /// What a wire asks for itself.

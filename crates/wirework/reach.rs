@@ -28,12 +28,23 @@ impl Evaluation<'_> {
                 )
             }
         };
-        self.warnings.iter().cloned().chain(self.outside().map(line)).collect()
+        let creases = self
+            .crease_warnings()
+            .map(|(effect, warning)| format!("the wrinkle{}: {warning}", which(effect)));
+        let unmoved = self.unmoved().map(|effect| {
+            format!(
+                "the wrinkle{}: `drive: Strain` needs a model with a clip, or effects before it: nothing compresses \
+                 the surface [no-strain]",
+                which(effect)
+            )
+        });
+        self.warnings.iter().cloned().chain(self.outside().map(line)).chain(creases).chain(unmoved).collect()
     }
 
     /// A warning for each effect that has been evaluated and has reached nothing at any time.
     pub(crate) fn idle_warnings(&self) -> Vec<String> {
-        let told = |effect: &usize| !self.is_empty_lattice(*effect);
+        let unmoved: Vec<usize> = self.unmoved().collect();
+        let told = |effect: &usize| !self.is_empty_lattice(*effect) && !unmoved.contains(effect);
         let span = span(self.points());
         let line =
             |effect| format!("the effect{} reaches no vertex: nothing moves{span} [no-reach]", which(effect));

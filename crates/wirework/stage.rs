@@ -4,9 +4,10 @@ use std::time::Instant;
 
 use wirework_core::{BindError, Binding, Blend, Lattice, LatticeBinding, Wire};
 use wirework_preset::{Action, BoundsFrame, Effect};
-use wirework_wrinkle::{Creases, SurfaceView, creases};
+use wirework_surface::Near;
+use wirework_wrinkle::{Creases, SurfaceView, WrinkleWarning, creases};
 
-use crate::mask::EffectMasks;
+use crate::mask::{EffectMasks, WireMask};
 use crate::weld::bits;
 use crate::{EvaluateError, Spent};
 
@@ -19,10 +20,11 @@ pub(crate) struct Stage {
     blend: Blend,
     masks: EffectMasks,
     pub(crate) wires: Vec<Wire>,
-    /// The creases as they were laid at 0 s.
-    laid: Option<Creases>,
-    /// The creases where they are now, if the surface moves.
-    moved: Option<Creases>,
+    creases: Option<Creases>,
+    /// What each crease may move.
+    near: Vec<Near>,
+    /// Whether a clip has told how it compresses the surface.
+    told: bool,
     /// Of the points, or else of the lattice's control points.
     binding: Option<Binding>,
     lattice: Option<Ffd>,
@@ -55,8 +57,9 @@ impl Stage {
             blend,
             masks,
             wires: Vec::new(),
-            laid: None,
-            moved: None,
+            creases: None,
+            near: Vec::new(),
+            told: false,
             binding: None,
             lattice: lattice.map(ffd),
             bound_to: Vec::new(),
@@ -64,28 +67,37 @@ impl Stage {
         }
     }
 
-    /// Binds the effect to `base`, what it works on at `seconds`; does nothing where it is bound to that already.
+    /// Binds the effect to `base`, what it works on at `seconds`, where the points were at `rest` before all effects; does nothing where
+    /// it is bound to that already and its references stay. What the first effect works on never changes.
     pub(crate) fn follow(
         &mut self,
         seconds: f64,
-        base: &[[f32; 3]],
+        (rest, base): (&[[f32; 3]], &[[f32; 3]]),
         triangles: &[[u32; 3]],
         spent: &mut Spent,
     ) -> Result<(), EvaluateError> {
         let same = |(a, b): (&[f32; 3], &[f32; 3])| bits(*a) == bits(*b);
-        if self.binding.is_some()
-            && self.bound_to.len() == base.len()
-            && self.bound_to.iter().zip(base).all(same)
-        {
-            return Ok(());
+        let settled = self.index == 0
+            || (self.bound_to.len() == base.len() && self.bound_to.iter().zip(base).all(same));
+        match &mut self.binding {
+            Some(_) if settled && !self.creases.as_ref().is_some_and(Creases::moves) => Ok(()),
+            Some(_) if settled => self.walk(seconds, base, triangles, spent),
+            _ => {
+                self.bind(seconds, base, triangles, spent)?;
+                if let Some(creases) = self.creases.as_mut().filter(|_| self.index > 0 && !self.told) {
+                    let reading = creases.compression(rest, base);
+                    creases.record(0.0, vec![reading]);
+                }
+                if self.index > 0 {
+                    self.bound_to.clear();
+                    self.bound_to.extend_from_slice(base);
+                }
+                Ok(())
+            }
         }
-        self.bind(seconds, base, triangles, spent)?;
-        self.bound_to.clear();
-        self.bound_to.extend_from_slice(base);
-        Ok(())
     }
 
-    pub(crate) fn bind(
+    fn bind(
         &mut self,
         seconds: f64,
         points: &[[f32; 3]],
@@ -94,19 +106,13 @@ impl Stage {
     ) -> Result<(), EvaluateError> {
         let start = Instant::now();
         let effect = self.index;
-        if let Action::Wrinkle(wrinkle) = &self.action {
-            let surface = SurfaceView { positions: points, triangles };
-            let fail = |error| EvaluateError::Wrinkle { effect, error };
-            match &self.laid {
-                None => self.laid = Some(creases(&surface, wrinkle).map_err(fail)?),
-                Some(laid) => self.moved = Some(laid.moved(&surface).map_err(fail)?),
-            }
-        }
+        self.lay(seconds, points, triangles)?;
         self.move_wires(seconds);
         let fail = |error| EvaluateError::Bind { effect, error };
         match &mut self.lattice {
             None => {
-                let masks = self.masks.of_wires(self.wires.len());
+                let masks = self.masks.of_wires(&self.near, self.wires.len());
+                let masks: Vec<_> = masks.iter().map(WireMask::borrow).collect();
                 self.binding = Some(Binding::masked(&self.wires, points, &masks).map_err(fail)?);
             }
             Some(ffd) => {
@@ -123,6 +129,57 @@ impl Stage {
         Ok(())
     }
 
+    /// Brings creases to a moment: lays them, if that is still to be done, and takes them along with the surface.
+    fn lay(
+        &mut self,
+        seconds: f64,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+    ) -> Result<(), EvaluateError> {
+        let Action::Wrinkle(wrinkle) = &self.action else { return Ok(()) };
+        let effect = self.index;
+        let fail = |error| EvaluateError::Wrinkle { effect, error };
+        let surface = SurfaceView { positions, triangles };
+        let laid = self.creases.is_none();
+        let creases = match &mut self.creases {
+            Some(creases) => creases,
+            none => none.insert(creases(&surface, wrinkle).map_err(fail)?),
+        };
+        if !laid || seconds != 0.0 {
+            creases.at(seconds, (!laid && self.index > 0).then_some(&surface)).map_err(fail)?;
+        }
+        if laid || creases.moves() {
+            self.near = creases.near();
+        }
+        Ok(())
+    }
+
+    /// Takes references that move over the surface to where they are at `seconds`, on the points that the effect is bound to.
+    fn walk(
+        &mut self,
+        seconds: f64,
+        points: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        spent: &mut Spent,
+    ) -> Result<(), EvaluateError> {
+        let start = Instant::now();
+        self.lay(seconds, points, triangles)?;
+        let bound = self.wires.len();
+        self.move_wires(seconds);
+        if self.wires.len() != bound {
+            // A border has cut a crease, or no longer does.
+            return self.bind(seconds, points, triangles, spent);
+        }
+        let effect = self.index;
+        let masks = self.masks.of_wires(&self.near, self.wires.len());
+        let masks: Vec<_> = masks.iter().map(WireMask::borrow).collect();
+        if let Some(binding) = &mut self.binding {
+            binding.rebind(&self.wires, &masks).map_err(|error| EvaluateError::Bind { effect, error })?;
+        }
+        spent.bind += start.elapsed();
+        Ok(())
+    }
+
     fn move_wires(&mut self, seconds: f64) {
         match &self.action {
             Action::Deform(deform) if self.wires.is_empty() => {
@@ -134,7 +191,7 @@ impl Stage {
                 }
             }
             Action::Wrinkle(_) => {
-                if let Some(creases) = self.moved.as_ref().or(self.laid.as_ref()) {
+                if let Some(creases) = &self.creases {
                     creases.wires_at(seconds, &mut self.wires);
                 }
             }
@@ -167,6 +224,34 @@ impl Stage {
         spent.deform += start.elapsed();
         self.reached = self.reached || (binding.reaches() && !self.is_empty_lattice());
         Ok(())
+    }
+
+    /// Whether compression of the surface drives it.
+    pub(crate) fn is_driven(&self) -> bool {
+        self.creases.as_ref().is_some_and(Creases::is_driven)
+    }
+
+    /// Whether it is driven by what nothing tells it.
+    pub(crate) fn is_unmoved(&self) -> bool {
+        self.is_driven() && !self.told && self.index == 0
+    }
+
+    /// The compression at its creases.
+    pub(crate) fn compression(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
+        self.creases.as_ref().map_or_else(Vec::new, |creases| creases.compression(rest, now))
+    }
+
+    /// Tells it the compression by a clip.
+    pub(crate) fn record(&mut self, step: f64, readings: Vec<Vec<f32>>) {
+        if let Some(creases) = self.creases.as_mut().filter(|creases| creases.is_driven()) {
+            creases.record(step, readings);
+            self.told = true;
+        }
+    }
+
+    /// What the creases lack.
+    pub(crate) fn warnings(&self) -> &[WrinkleWarning] {
+        self.creases.as_ref().map_or(&[], Creases::warnings)
     }
 
     /// The lattice's control points along each axis, and where they are.

@@ -3,7 +3,11 @@
 //! A renderer's vertices are split at texture seams and hard edges. The effects see each place once, so that no seam
 //! can open: two vertices of one place get the same bits.
 
-use std::collections::HashMap;
+use rayon::prelude::*;
+use wirework_surface::Distinct;
+
+/// So many positions are placed by one thread at a time.
+const BLOCK: usize = 1 << 12;
 
 /// The places of a list of positions.
 #[derive(Clone, Debug, Default)]
@@ -16,17 +20,8 @@ pub(crate) struct Weld {
 
 impl Weld {
     pub(crate) fn new(positions: &[[f32; 3]]) -> Self {
-        let mut places = HashMap::with_capacity(positions.len());
-        let mut weld = Self { points: Vec::new(), point_of: Vec::with_capacity(positions.len()) };
-        for p in positions {
-            // Adding 0 makes −0 equal to 0.
-            let place = *places.entry(p.map(|c| (c + 0.0).to_bits())).or_insert_with(|| {
-                weld.points.push(*p);
-                weld.points.len() as u32 - 1
-            });
-            weld.point_of.push(place);
-        }
-        weld
+        let Distinct { of, first } = Distinct::new(positions.len(), |i| positions[i]);
+        Self { points: first.iter().map(|&i| positions[i as usize]).collect(), point_of: of }
     }
 
     /// Positions that are all different.
@@ -37,7 +32,7 @@ impl Weld {
     /// Triangles of positions as triangles of points.
     pub(crate) fn triangles(&self, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
         let point = |i: u32| self.point_of.get(i as usize).copied().unwrap_or(0);
-        triangles.iter().map(|t| t.map(point)).collect()
+        triangles.par_iter().map(|t| t.map(point)).collect()
     }
 }
 
@@ -49,13 +44,14 @@ pub(crate) fn spread(
     rest: &[[f32; 3]],
     out: &mut [[f32; 3]],
 ) {
-    for ((out, &place), own) in out.iter_mut().zip(point_of).zip(rest) {
+    let one = |((out, &place), own): ((&mut [f32; 3], &u32), &[f32; 3])| {
         let place = place as usize;
         *out = match (points.get(place), now.get(place)) {
             (Some(before), Some(now)) if bits(*before) != bits(*now) => *now,
             _ => *own,
         };
-    }
+    };
+    out.par_iter_mut().zip(point_of).zip(rest).with_min_len(BLOCK).for_each(one);
 }
 
 pub(crate) fn bits(p: [f32; 3]) -> [u32; 3] {

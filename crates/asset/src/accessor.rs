@@ -1,10 +1,15 @@
 //! Checked views of accessors: every byte that is read has been shown to lie within its view, its view within its
 //! buffer, and the count within the budget, before anything is allocated.
 
+use rayon::prelude::*;
+
 use crate::document::Gltf;
 use crate::error::AssetError;
 use crate::json::Json;
 use crate::limits::{Budget, Of, reserve};
+
+/// So many elements are converted by one thread at a time.
+const BLOCK: usize = 1 << 12;
 
 /// What a component of an element is stored as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -299,6 +304,14 @@ impl<'a> Accessor<'a> {
         whole.then_some(Self { count: self.count / N, lanes: N, base: Some(base), ..*self })
     }
 
+    /// All elements as `N` integers of 8 or 16 bits without sign each; the component type is one of those.
+    pub(crate) fn shorts<const N: usize>(&self, budget: &mut Budget) -> Result<Vec<[u16; N]>, AssetError> {
+        match self.component.size() {
+            1 => self.elements(budget, 0, |[b]| u16::from(b)),
+            _ => self.elements(budget, 0, u16::from_le_bytes),
+        }
+    }
+
     /// Visits the elements in their order, as [`Accessor::floats`] gives them, without keeping them. Of an accessor
     /// without a view only the elements that are not 0. Charged as if they were kept, for that bounds the time.
     pub(crate) fn each_float<const N: usize>(
@@ -349,25 +362,29 @@ impl<'a> Accessor<'a> {
     }
 
     /// All elements, their components of `S` bytes converted one by one.
-    fn elements<T: Copy, const S: usize, const N: usize>(
+    fn elements<T: Copy + Send + Sync, const S: usize, const N: usize>(
         &self,
         budget: &mut Budget,
         zero: T,
-        convert: impl Fn([u8; S]) -> T,
+        convert: impl Fn([u8; S]) -> T + Sync,
     ) -> Result<Vec<[T; N]>, AssetError> {
         self.charge::<T, N>(budget)?;
+        // There is room already, which none of what fills it makes again.
         let mut out = reserve(self.count)?;
-        let element = |bytes: &[u8]| {
-            bytes.as_chunks().0.first_chunk::<N>().map_or([zero; N], |components| components.map(&convert))
-        };
+        let element = |bytes: &[u8]| converted(bytes, zero, &convert);
         match self.base {
             None => out.resize(self.count, [zero; N]),
             // The same once more in a form that compilers turn into vector instructions.
             Some(base) if base.stride == S * N => {
                 let elements = base.bytes.as_chunks().0.as_chunks::<N>().0;
-                out.extend(elements.iter().take(self.count).map(|components| components.map(&convert)));
+                let elements = elements.get(..self.count).unwrap_or(elements).par_iter();
+                let converted = elements.with_min_len(BLOCK).map(|components| components.map(&convert));
+                converted.collect_into_vec(&mut out);
             }
-            Some(base) => out.extend(base.bytes.chunks(base.stride).take(self.count).map(element)),
+            Some(base) => {
+                let elements = base.bytes.par_chunks(base.stride).take(self.count).with_min_len(BLOCK);
+                elements.map(element).collect_into_vec(&mut out);
+            }
         }
         for (i, bytes) in self.replaced(S * N) {
             if let Some(slot) = out.get_mut(i) {
@@ -376,6 +393,15 @@ impl<'a> Accessor<'a> {
         }
         Ok(out)
     }
+}
+
+/// The `N` components that `bytes` start with, of `S` bytes each.
+fn converted<T: Copy, const S: usize, const N: usize>(
+    bytes: &[u8],
+    zero: T,
+    convert: impl Fn([u8; S]) -> T,
+) -> [T; N] {
+    bytes.as_chunks().0.first_chunk::<N>().map_or([zero; N], |components| components.map(convert))
 }
 
 /// A float as it is, but for NaN, which goes the way of what is infinite: as with other types, there is a least value.

@@ -85,7 +85,7 @@ impl Gltf {
         let mut held: Vec<usize> = Vec::new();
         for v in 0..count {
             held.clear();
-            held.extend(influences.of(v).iter().filter_map(|&(joint, _)| joints.get(joint as usize)));
+            held.extend(influences.of(v).filter_map(|(joint, _)| joints.get(joint as usize)));
             // A node may be a joint of the skin several times.
             held.sort_unstable();
             held.dedup();

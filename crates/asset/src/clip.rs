@@ -43,10 +43,10 @@ impl Gltf {
         if let Clip::Into(index) = clip {
             self.check_free(*index, tracks)?;
         }
-        let input = self.append_scalars(times, true)?;
+        let input = self.append_scalars(times.to_vec(), true)?;
         let mut outputs = Vec::with_capacity(tracks.len());
         for track in tracks {
-            outputs.push(self.append_scalars(&track.weights, false)?);
+            outputs.push(self.append_scalars(track.weights.clone(), false)?);
         }
         let index = match clip {
             Clip::Into(index) => *index,

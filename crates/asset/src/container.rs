@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::content::{Content, Contents};
 use crate::error::{AssetError, Place};
 
 /// `glTF`, little endian.
@@ -87,22 +88,17 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
     bytes.get(at..at.checked_add(4)?)?.try_into().ok().map(u32::from_le_bytes)
 }
 
-/// Puts a GLB file together: JSON padded with spaces, BIN with zeros, `rest` as it is.
-pub(crate) fn assemble(json: &[u8], bin: Option<&[u8]>, rest: &[u8]) -> Result<Vec<u8>, AssetError> {
-    let (mut out, after) = around(json, bin.map(<[u8]>::len), rest)?;
-    let bin = bin.unwrap_or(&[]);
-    let room = bin.len() + after.len();
-    out.try_reserve_exact(room).map_err(|_| {
-        AssetError::file(format!("{room} more bytes"), "an output that fits into memory")
-            .of_class(crate::ErrorClass::Limit)
-    })?;
-    out.extend_from_slice(bin);
-    out.extend_from_slice(&after);
-    Ok(out)
+/// A GLB file in parts: JSON padded with spaces, BIN with zeros, `rest` as it is.
+pub(crate) fn assemble(json: &[u8], bin: Option<Contents>, rest: &[u8]) -> Result<Vec<Content>, AssetError> {
+    let (before, after) = around(json, bin.as_ref().map(Contents::len), rest)?;
+    let mut out = Contents::from(Content::from(before));
+    out.append(bin.unwrap_or_default());
+    out.push(after.into());
+    Ok(out.into_parts())
 }
 
 /// What stands in a GLB file before the bytes of a BIN chunk of `bin` bytes, and what behind them.
-pub(crate) fn around(json: &[u8], bin: Option<usize>, rest: &[u8]) -> Result<(Vec<u8>, Vec<u8>), AssetError> {
+fn around(json: &[u8], bin: Option<usize>, rest: &[u8]) -> Result<(Vec<u8>, Vec<u8>), AssetError> {
     let padded = |length: usize| length.div_ceil(4) * 4;
     let mut total = HEADER + CHUNK_HEADER + padded(json.len()) + rest.len();
     total += bin.map_or(0, |bin| CHUNK_HEADER + padded(bin));
@@ -134,20 +130,25 @@ pub(crate) fn around(json: &[u8], bin: Option<usize>, rest: &[u8]) -> Result<(Ve
 mod tests {
     use super::*;
 
+    fn glb(json: &[u8], bin: Option<&[u8]>, rest: &[u8]) -> Vec<u8> {
+        let bin = bin.map(|bin| Content::from(bin.to_vec()).into());
+        assemble(json, bin, rest).unwrap().iter().flat_map(|part| part.iter().copied()).collect()
+    }
+
     #[test]
     fn chunks_survive_and_unknown_ones_stay_byte_for_byte() {
         let rest = [4, 0, 0, 0, b'X', b'Y', b'Z', b'W', 1, 2, 3, 4];
-        let bytes = assemble(b"{}", Some(&[1, 2, 3]), &rest).unwrap();
+        let bytes = glb(b"{}", Some(&[1, 2, 3]), &rest);
         let chunks = parse(&bytes).unwrap();
         let bin = chunks.bin.map(|bin| &bytes[bin]);
         assert_eq!((chunks.json, bin), (&b"{}  "[..], Some(&[1, 2, 3, 0][..])));
         assert_eq!((chunks.rest, chunks.beyond), (&rest[..], 0));
-        assert_eq!(parse(&assemble(b"{} ", None, &rest).unwrap()).unwrap().rest, rest);
+        assert_eq!(parse(&glb(b"{} ", None, &rest)).unwrap().rest, rest);
     }
 
     #[test]
     fn every_cut_of_a_file_is_refused() {
-        let bytes = assemble(b"{\"asset\":{}}", Some(&[0; 20]), &[]).unwrap();
+        let bytes = glb(b"{\"asset\":{}}", Some(&[0; 20]), &[]);
         for length in 0..bytes.len() {
             assert!(parse(&bytes[..length]).is_err(), "cut at {length}");
         }

@@ -1,11 +1,12 @@
 //! Accessors of displacements: sparse where that is smaller, and each content written once.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde_json::json;
 
+use crate::attributes::bounds;
+use crate::content::Content;
 use crate::document::Gltf;
 use crate::edit::{FLOAT, VERTICES, set_bounds};
 use crate::error::AssetError;
@@ -31,59 +32,50 @@ struct Entry {
 }
 
 /// Displacements as they are written.
-struct Encoded<'a> {
+struct Encoded {
     /// Bytes of an index and the indices, for a sparse accessor.
     indices: Option<(usize, Vec<u8>)>,
-    values: Cow<'a, [[f32; 3]]>,
+    values: Content,
 }
 
 impl Gltf {
     /// The accessor of displacements, one `VEC3` a vertex; written unless an equal one has been written before.
-    /// With `with_bounds` it has `min` and `max`, as positions need them.
+    /// With `with_bounds` it has `min` and `max`, as positions need them. They are kept as they are until the document is written.
     ///
     /// Without any displacement it is a sparse accessor with one explicit zero, which every reader understands; an
     /// accessor with neither data nor sparse elements, though valid, is refused by several.
-    pub fn append_deltas(&mut self, deltas: &[[f32; 3]], with_bounds: bool) -> Result<usize, AssetError> {
-        let survey = Survey::of(deltas);
+    pub fn append_deltas(&mut self, deltas: Vec<[f32; 3]>, with_bounds: bool) -> Result<usize, AssetError> {
+        let (count, survey) = (deltas.len(), Survey::of(&deltas, with_bounds));
         let encoded = survey.encode(deltas)?;
-        if let Some(accessor) = self.find(survey.hash, deltas.len(), with_bounds, &encoded) {
+        if let Some(accessor) = self.find(survey.hash, count, with_bounds, &encoded) {
             return Ok(accessor);
         }
-        let mut accessor = json!({ "componentType": FLOAT, "count": deltas.len(), "type": "VEC3" });
-        let floats = encoded.values.as_flattened();
-        let (indices, values) = match &encoded.indices {
-            None => {
-                let view = self.append_floats(floats, Some(VERTICES))?;
-                accessor = json!({
-                    "bufferView": view, "componentType": FLOAT, "count": deltas.len(), "type": "VEC3",
-                });
-                (0..0, self.last(size_of_val(floats)))
-            }
-            Some((size, bytes)) => {
-                let index_view = self.append_view(bytes, None)?;
-                let indices = self.last(bytes.len());
-                let value_view = self.append_floats(floats, None)?;
-                let kind = match size {
-                    1 => 5121,
-                    2 => 5123,
-                    _ => 5125,
-                };
-                if let Some(accessor) = accessor.as_object_mut() {
-                    let sparse = json!({
-                        "count": encoded.values.len(),
-                        "indices": { "bufferView": index_view, "componentType": kind },
-                        "values": { "bufferView": value_view },
-                    });
-                    accessor.insert("sparse".to_owned(), sparse);
-                }
-                (indices, self.last(size_of_val(floats)))
-            }
-        };
-        if with_bounds {
-            set_bounds(&mut accessor, deltas);
+        let Encoded { indices, values } = encoded;
+        let length = values.len();
+        let mut accessor = json!({});
+        let mut index_range = 0..0;
+        if let Some((size, bytes)) = indices {
+            let (indices, of_indices) = (bytes.len() / size, bytes.len());
+            let index_view = self.append_view(bytes, None)?;
+            index_range = self.last(of_indices);
+            let value_view = self.append_view(values, None)?;
+            let kind = match size {
+                1 => 5121,
+                2 => 5123,
+                _ => 5125,
+            };
+            accessor = json!({ "componentType": FLOAT, "count": count, "type": "VEC3", "sparse": {
+                "count": indices,
+                "indices": { "bufferView": index_view, "componentType": kind },
+                "values": { "bufferView": value_view },
+            } });
+        } else {
+            let view = self.append_view(values, Some(VERTICES))?;
+            accessor = json!({ "bufferView": view, "componentType": FLOAT, "count": count, "type": "VEC3" });
         }
+        set_bounds(&mut accessor, survey.bounds);
         let accessor = self.append("accessors", accessor)?;
-        let entry = Entry { count: deltas.len(), with_bounds, indices, values, accessor };
+        let entry = Entry { count, with_bounds, indices: index_range, values: self.last(length), accessor };
         self.written.by_hash.entry(survey.hash).or_default().push(entry);
         Ok(accessor)
     }
@@ -95,27 +87,17 @@ impl Gltf {
         end.saturating_sub(length)..end
     }
 
-    fn find(&self, hash: u64, count: usize, with_bounds: bool, encoded: &Encoded<'_>) -> Option<usize> {
+    fn find(&self, hash: u64, count: usize, with_bounds: bool, encoded: &Encoded) -> Option<usize> {
         let bytes = &self.buffers.get(self.growing?)?.bytes;
         let indices = encoded.indices.as_ref().map_or(&[][..], |(_, bytes)| bytes);
         let same = |entry: &&Entry| {
             entry.count == count
                 && entry.with_bounds == with_bounds
                 && bytes.get(entry.indices.clone()) == Some(indices)
-                && bytes
-                    .get(entry.values.clone())
-                    .is_some_and(|bytes| equal(bytes, encoded.values.as_flattened()))
+                && bytes.get(entry.values.clone()) == Some(&*encoded.values)
         };
         self.written.by_hash.get(&hash)?.iter().find(same).map(|entry| entry.accessor)
     }
-}
-
-/// Whether `bytes` are those of `values`.
-fn equal(bytes: &[u8], values: &[f32]) -> bool {
-    let (words, rest) = bytes.as_chunks();
-    rest.is_empty()
-        && words.len() == values.len()
-        && words.iter().zip(values).all(|(word, value)| *word == value.to_le_bytes())
 }
 
 /// What has to be known of displacements before they are written.
@@ -126,44 +108,63 @@ struct Survey {
     last: usize,
     /// Equal for equal content, the signs of zeros aside.
     hash: u64,
+    /// The least and the largest of each component, where they are asked for.
+    bounds: Option<([f32; 3], [f32; 3])>,
 }
 
 impl Survey {
-    fn of(deltas: &[[f32; 3]]) -> Self {
-        /// So many are looked at twice while they are near; a multiple of two, for the hash takes floats in eights.
+    fn of(deltas: &[[f32; 3]], with_bounds: bool) -> Self {
+        /// So many are looked at several times while they are near; a multiple of two, for the hash takes floats in eights.
         const BLOCK: usize = 1 << 10;
-        let mut out = Self { changed: 0, last: 0, hash: deltas.len() as u64 };
+        let mut out = Self { changed: 0, last: 0, hash: deltas.len() as u64, bounds: None };
         for (k, block) in deltas.chunks(BLOCK).enumerate() {
-            let moves = |delta: &[f32; 3]| *delta != [0.0; 3];
             let changed = block.iter().filter(|delta| moves(delta)).count();
             if changed > 0 {
                 out.changed += changed;
                 out.last = k * BLOCK + block.iter().rposition(moves).unwrap_or(0);
             }
             out.hash = mix(out.hash, block.as_flattened());
+            if with_bounds {
+                out.bounds = Some(joined(out.bounds, bounds(block)));
+            }
         }
         out
     }
 
-    fn encode<'a>(&self, deltas: &'a [[f32; 3]]) -> Result<Encoded<'a>, AssetError> {
+    fn encode(&self, deltas: Vec<[f32; 3]>) -> Result<Encoded, AssetError> {
         let size = match self.last {
             0..=0xff => 1,
             0x100..=0xffff => 2,
             _ => 4,
         };
         if self.changed > 0 && self.changed * (12 + size) + SPARSE_JSON >= deltas.len() * 12 {
-            return Ok(Encoded { indices: None, values: Cow::Borrowed(deltas) });
+            return Ok(Encoded { indices: None, values: Content::floats(deltas.into_flattened()) });
         }
         // Without any, the first stands for all.
-        let kept = |i: usize, delta: &[f32; 3]| *delta != [0.0; 3] || (self.changed == 0 && i == 0);
+        let kept = |i: usize, delta: &[f32; 3]| moves(delta) || (self.changed == 0 && i == 0);
         let mut indices = reserve(self.changed.max(1) * size)?;
-        let mut values = reserve(self.changed.max(1))?;
-        for (i, &delta) in deltas.iter().enumerate().filter(|(i, delta)| kept(*i, delta)) {
+        let mut values = reserve(3 * self.changed.max(1))?;
+        for (i, delta) in deltas.iter().enumerate().filter(|(i, delta)| kept(*i, delta)) {
             indices.extend_from_slice(&(i as u32).to_le_bytes()[..size]);
-            values.push(delta);
+            values.extend_from_slice(delta);
         }
-        Ok(Encoded { indices: Some((size, indices)), values: Cow::Owned(values) })
+        Ok(Encoded { indices: Some((size, indices)), values: Content::floats(values) })
     }
+}
+
+/// Whether a displacement is not 0, of whatever sign: asked of the bits of its numbers at once.
+fn moves(delta: &[f32; 3]) -> bool {
+    let [x, y, z] = delta.map(f32::to_bits);
+    (x | y | z) << 1 != 0
+}
+
+/// The bounds of two runs of vectors.
+fn joined(before: Option<([f32; 3], [f32; 3])>, (low, high): ([f32; 3], [f32; 3])) -> ([f32; 3], [f32; 3]) {
+    let Some((lowest, highest)) = before else { return (low, high) };
+    (
+        std::array::from_fn(|k| if low[k] < lowest[k] { low[k] } else { lowest[k] }),
+        std::array::from_fn(|k| if high[k] > highest[k] { high[k] } else { highest[k] }),
+    )
 }
 
 /// Goes on with a hash: in four strands, so that none waits for the other. It need not withstand anybody, for what
@@ -198,7 +199,7 @@ mod tests {
 
     /// Writes deltas and reads them back.
     fn back(gltf: &mut Gltf, deltas: &[[f32; 3]]) -> (usize, serde_json::Value) {
-        let index = gltf.append_deltas(deltas, true).unwrap();
+        let index = gltf.append_deltas(deltas.to_vec(), true).unwrap();
         let reference = json!(index);
         let accessor = gltf.accessor(crate::json::Json::root(&reference)).unwrap();
         let mut budget = crate::limits::Budget::new(&Limits::default());
@@ -242,6 +243,10 @@ mod tests {
         let length = gltf.to_glb().unwrap().len();
         assert_eq!((back(&mut gltf, &[[1.0; 3]; 4]).0, back(&mut gltf, &[[2.0; 3]; 4]).0), (first, other));
         assert_eq!(gltf.to_glb().unwrap().len(), length);
-        assert_ne!(gltf.append_deltas(&[[1.0; 3]; 4], false).unwrap(), first, "without bounds it is another");
+        assert_ne!(
+            gltf.append_deltas(vec![[1.0; 3]; 4], false).unwrap(),
+            first,
+            "without bounds it is another"
+        );
     }
 }

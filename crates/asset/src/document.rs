@@ -1,12 +1,12 @@
 //! A glTF document: its JSON as it was read, and the bytes of its buffers.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use crate::container;
+use crate::content::{Content, Contents};
 use crate::error::{AssetError, Place, Warning};
 use crate::json::Json;
 use crate::limits::{Budget, Limits, Of, reserve};
@@ -56,8 +56,8 @@ pub(crate) enum Source {
 #[derive(Clone, Debug)]
 pub(crate) struct Buffer {
     /// For the BIN chunk with its padding, so that what is added leaves the old chunk a prefix of the new one.
-    pub(crate) bytes: Vec<u8>,
-    /// The declared length, the part of `bytes` that views may refer to.
+    pub(crate) bytes: Contents,
+    /// The declared length: so many of `bytes` views may refer to.
     pub(crate) length: usize,
     pub(crate) source: Source,
 }
@@ -75,7 +75,7 @@ pub struct Gltf {
     pub(crate) binary: bool,
     pub(crate) buffers: Vec<Buffer>,
     /// A BIN chunk that no buffer uses.
-    pub(crate) orphan: Option<Vec<u8>>,
+    pub(crate) orphan: Option<Contents>,
     /// Chunks behind BIN, headers included.
     pub(crate) chunks: Vec<u8>,
     /// Compressed views that cannot be decoded, and why.
@@ -177,7 +177,7 @@ impl Gltf {
                 warnings.push(Warning::new("trailing-bytes", Place::File, message));
             }
             let (json, chunks) = (text_of(parts.json)?, parts.rest.to_vec());
-            let bin = parts.bin.map(|bin| cut(bytes, bin));
+            let bin = parts.bin.map(|bin| Content::cut(bytes, bin).into());
             (json, bin, chunks)
         } else {
             (text_of(&bytes)?, None, Vec::new())
@@ -277,7 +277,7 @@ impl Gltf {
                         budget.charge(Of::ExpandedBytes, length as u64, || buffer.place())?;
                         let mut bytes = reserve(length)?;
                         bytes.resize(length, 0);
-                        (bytes, Source::Fallback)
+                        (Content::from(bytes).into(), Source::Fallback)
                     }
                     None => match bin.take().filter(|_| index == 0) {
                         Some(bytes) => (bytes, Source::Bin),
@@ -298,11 +298,12 @@ impl Gltf {
         self.decode_views()
     }
 
-    fn load_uri(&self, uri: Json<'_>, budget: &mut Budget) -> Result<(Vec<u8>, Source), AssetError> {
-        match uri::parse(uri.string()?).map_err(|expected| uri.fault(expected))? {
-            uri::Target::Data(_, bytes) => Ok((bytes, Source::Data)),
-            uri::Target::File(path) => Ok((self.read_beside(uri, &path, budget)?, Source::File)),
-        }
+    fn load_uri(&self, uri: Json<'_>, budget: &mut Budget) -> Result<(Contents, Source), AssetError> {
+        let (bytes, source) = match uri::parse(uri.string()?).map_err(|expected| uri.fault(expected))? {
+            uri::Target::Data(_, bytes) => (bytes, Source::Data),
+            uri::Target::File(path) => (self.read_beside(uri, &path, budget)?, Source::File),
+        };
+        Ok((Content::from(bytes).into(), source))
     }
 
     /// Reads the file below the folder of the document that `uri` names by `path`.
@@ -318,13 +319,6 @@ impl Gltf {
             error
         })
     }
-}
-
-/// The range of `bytes` alone, where it is: a move within memory is cheaper than new memory.
-fn cut(mut bytes: Vec<u8>, range: Range<usize>) -> Vec<u8> {
-    bytes.truncate(range.end);
-    bytes.drain(..range.start.min(bytes.len()));
-    bytes
 }
 
 fn parse_json(text: &[u8]) -> Result<Value, AssetError> {

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::attributes::bounds;
+use crate::content::{Content, Contents};
 use crate::document::{Buffer, Gltf, Source};
 use crate::error::{AssetError, Place};
 
@@ -62,7 +63,7 @@ impl Gltf {
                 orphan => {
                     self.orphan = orphan;
                     (
-                        Vec::new(),
+                        Contents::default(),
                         if self.binary && self.buffers.is_empty() { Source::Bin } else { Source::New },
                     )
                 }
@@ -76,41 +77,17 @@ impl Gltf {
     }
 
     /// Appends bytes as a buffer view and gives its index.
-    pub(crate) fn append_view(&mut self, bytes: &[u8], target: Option<u32>) -> Result<usize, AssetError> {
-        self.view_of(bytes.len(), target, |out| out.extend_from_slice(bytes))
-    }
-
-    /// Appends floats as a buffer view and gives its index.
-    pub(crate) fn append_floats(&mut self, values: &[f32], target: Option<u32>) -> Result<usize, AssetError> {
-        /// So many are turned into bytes while they are near; that is a copy where they are stored as the file has them.
-        const BLOCK: usize = 1 << 10;
-        self.view_of(size_of_val(values), target, |out| {
-            let mut words = [[0; 4]; BLOCK];
-            for block in values.chunks(BLOCK) {
-                words.iter_mut().zip(block).for_each(|(word, value)| *word = value.to_le_bytes());
-                out.extend_from_slice(words[..block.len()].as_flattened());
-            }
-        })
-    }
-
-    /// A new view of `length` bytes, which `append` adds to the buffer; gives its index.
-    fn view_of(
+    pub(crate) fn append_view(
         &mut self,
-        length: usize,
+        content: impl Into<Content>,
         target: Option<u32>,
-        append: impl FnOnce(&mut Vec<u8>),
     ) -> Result<usize, AssetError> {
+        let content = content.into();
+        let length = content.len();
         let index = self.growing()?;
         let buffer = self.buffers.get_mut(index).ok_or_else(|| misshapen("/buffers", "a buffer"))?;
-        let offset = buffer.bytes.len().div_ceil(4) * 4;
-        let room = offset - buffer.bytes.len() + length;
-        // Growth is amortised; a failure to allocate is an error, no abort.
-        buffer.bytes.try_reserve(room).map_err(|_| {
-            AssetError::file(format!("{room} more bytes"), "an output that fits into memory")
-                .of_class(crate::ErrorClass::Limit)
-        })?;
-        buffer.bytes.resize(offset, 0);
-        append(&mut buffer.bytes);
+        let offset = buffer.bytes.align();
+        buffer.bytes.push(content);
         buffer.length = buffer.bytes.len();
         let end = buffer.length;
         self.entry_mut("buffers", index)?.insert("byteLength".to_owned(), json!(end));
@@ -124,27 +101,29 @@ impl Gltf {
     /// Appends vertex attributes of `N` floats as a dense accessor and gives its index.
     pub(crate) fn append_vertices<const N: usize>(
         &mut self,
-        values: &[[f32; N]],
+        values: Vec<[f32; N]>,
         with_bounds: bool,
     ) -> Result<usize, AssetError> {
-        let view = self.append_floats(values.as_flattened(), Some(VERTICES))?;
+        let (count, bounds) = (values.len(), with_bounds.then(|| bounds(&values)));
+        let view = self.append_view(Content::floats(values.into_flattened()), Some(VERTICES))?;
         let mut accessor = json!({
-            "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": format!("VEC{N}"),
+            "bufferView": view, "componentType": FLOAT, "count": count, "type": format!("VEC{N}"),
         });
-        if with_bounds {
-            set_bounds(&mut accessor, values);
-        }
+        set_bounds(&mut accessor, bounds);
         self.append("accessors", accessor)
     }
 
     /// Appends scalars for an animation and gives the accessor's index.
-    pub(crate) fn append_scalars(&mut self, values: &[f32], with_bounds: bool) -> Result<usize, AssetError> {
-        let view = self.append_floats(values, None)?;
+    pub(crate) fn append_scalars(
+        &mut self,
+        values: Vec<f32>,
+        with_bounds: bool,
+    ) -> Result<usize, AssetError> {
+        let (count, bounds) = (values.len(), with_bounds.then(|| bounds(values.as_chunks::<1>().0)));
+        let view = self.append_view(Content::floats(values), None)?;
         let mut accessor =
-            json!({ "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": "SCALAR" });
-        if with_bounds {
-            set_bounds(&mut accessor, values.as_chunks::<1>().0);
-        }
+            json!({ "bufferView": view, "componentType": FLOAT, "count": count, "type": "SCALAR" });
+        set_bounds(&mut accessor, bounds);
         self.append("accessors", accessor)
     }
 
@@ -171,12 +150,10 @@ pub(crate) fn whole(value: &Value) -> Option<usize> {
     crate::json::Json::root(value).uint().ok()
 }
 
-/// Sets `min` and `max`. An `f64` holds each `f32` exactly, and prints so that it is read back exactly.
-pub(crate) fn set_bounds<const N: usize>(accessor: &mut Value, values: &[[f32; N]]) {
-    let (min, max) = bounds(values);
-    let (min, max) = if values.is_empty() { (&[][..], &[][..]) } else { (&min[..], &max[..]) };
-    let numbers = |bound: &[f32]| Value::Array(bound.iter().map(|&c| json!(f64::from(c))).collect());
-    if let Some(accessor) = accessor.as_object_mut() {
+/// Sets `min` and `max`, if there are any. An `f64` holds each `f32` exactly, and prints so that it is read back exactly.
+pub(crate) fn set_bounds<const N: usize>(accessor: &mut Value, bounds: Option<([f32; N], [f32; N])>) {
+    let numbers = |bound: [f32; N]| Value::Array(bound.iter().map(|&c| json!(f64::from(c))).collect());
+    if let (Some(accessor), Some((min, max))) = (accessor.as_object_mut(), bounds) {
         accessor.insert("min".to_owned(), numbers(min));
         accessor.insert("max".to_owned(), numbers(max));
     }

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
+use crate::content::Content;
 use crate::document::Gltf;
 use crate::edit::{FLOAT, whole};
 use crate::error::AssetError;
@@ -75,7 +76,7 @@ impl Gltf {
             return Ok(Some(accessor));
         }
         let accessor = match slot.0.as_str() {
-            "VEC3" => self.append_deltas(&crate::limits::filled(count, [0.0; 3])?, bounds)?,
+            "VEC3" => self.append_deltas(crate::limits::filled(count, [0.0; 3])?, bounds)?,
             "SCALAR" => self.append_zeros(&slot.0, 1, count)?,
             "VEC2" => self.append_zeros(&slot.0, 2, count)?,
             "VEC4" => self.append_zeros(&slot.0, 4, count)?,
@@ -87,8 +88,8 @@ impl Gltf {
 
     /// Zeros with one of them said: an accessor with neither data nor sparse elements is refused by several readers.
     fn append_zeros(&mut self, kind: &str, lanes: usize, count: usize) -> Result<usize, AssetError> {
-        let indices = self.append_view(&[0], None)?;
-        let values = self.append_floats(&vec![0.0; lanes], None)?;
+        let indices = self.append_view(vec![0], None)?;
+        let values = self.append_view(Content::floats(vec![0.0; lanes]), None)?;
         let sparse = json!({
             "count": 1,
             "indices": { "bufferView": indices, "componentType": 5121 },

@@ -109,10 +109,8 @@ impl Gltf {
         self.warnings.extend(undecoded.values().map(told));
         self.undecoded = undecoded;
         for (buffer, offset, bytes) in decoded {
-            let buffer = self.buffers.get_mut(buffer);
-            let place = buffer.and_then(|buffer| buffer.bytes.get_mut(offset..offset + bytes.len()));
-            if let Some(place) = place {
-                place.copy_from_slice(&bytes);
+            if let Some(buffer) = self.buffers.get_mut(buffer) {
+                buffer.bytes.overwrite(offset, &bytes);
             }
         }
         Ok(())

@@ -101,7 +101,7 @@ impl Gltf {
             let samplers = self.tracks_of(clip, nodes);
             for (sampler, channels, shared) in samplers {
                 let Some(values) = self.continued(clip, sampler, before, after)? else { continue };
-                let output = self.append_scalars(&values, false)?;
+                let output = self.append_scalars(values, false)?;
                 let animation = self.entry_mut("animations", clip)?;
                 let Some(list) = animation.get_mut("samplers").and_then(Value::as_array_mut) else {
                     continue;

@@ -3,11 +3,12 @@
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{Read, Seek, Write};
+use std::io::{BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
+use crate::content::Content;
 use crate::error::{AssetError, ErrorClass};
 
 /// How the names of files begin that are written beside their places.
@@ -19,7 +20,7 @@ pub struct OutputFile {
     /// Where.
     pub path: PathBuf,
     /// What, one part behind the other: so that large ones need not be copied into one.
-    pub parts: Vec<Vec<u8>>,
+    pub parts: Vec<Content>,
     /// Whether it may replace a file. Copies of files that belong to an input may not replace other files.
     pub replace: bool,
     /// Whether folders are made that are not there.
@@ -29,7 +30,12 @@ pub struct OutputFile {
 impl OutputFile {
     /// A file that replaces what stands at `path`.
     pub fn new(path: impl Into<PathBuf>, bytes: Vec<u8>) -> Self {
-        Self { path: path.into(), parts: vec![bytes], replace: true, folders: false }
+        Self { path: path.into(), parts: vec![bytes.into()], replace: true, folders: false }
+    }
+
+    /// All of what is written, in one.
+    pub fn bytes(&self) -> Vec<u8> {
+        self.parts.iter().map(|part| &**part).collect::<Vec<_>>().concat()
     }
 }
 
@@ -67,7 +73,7 @@ impl Spool {
     pub fn add(&mut self, mut file: OutputFile) -> Result<(), AssetError> {
         let parts = std::mem::take(&mut file.parts);
         write_parts(&mut self.store, &parts).map_err(|error| Self::failed(&error))?;
-        self.files.push((file, parts.iter().map(Vec::len).sum()));
+        self.files.push((file, parts.iter().map(|part| part.len()).sum()));
         Ok(())
     }
 
@@ -92,7 +98,7 @@ impl Spool {
         write_each(files.into_iter().map(|(mut file, length)| {
             let mut bytes = vec![0; length];
             store.read_exact(&mut bytes).map_err(|error| Self::failed(&error))?;
-            file.parts = vec![bytes];
+            file.parts = vec![bytes.into()];
             Ok(Cow::Owned(file))
         }))
     }
@@ -129,7 +135,7 @@ fn write_all<'f>(
             return Err(refused(&path, "a folder", "a file, or no file yet"));
         }
         if !file.replace && metadata.is_some() {
-            if fs::read(&path).is_ok_and(|there| there == file.parts.concat()) {
+            if fs::read(&path).is_ok_and(|there| there == file.bytes()) {
                 continue;
             }
             return Err(refused(
@@ -175,12 +181,15 @@ fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> Result<(), AssetError
     Ok(())
 }
 
-fn write_parts(file: &mut impl Write, parts: &[Vec<u8>]) -> std::io::Result<()> {
-    parts.iter().try_for_each(|part| file.write_all(part))
+fn write_parts(file: &mut impl Write, parts: &[Content]) -> std::io::Result<()> {
+    // Small parts go together; large ones pass the buffer by.
+    let mut out = BufWriter::new(file);
+    parts.iter().try_for_each(|part| out.write_all(part))?;
+    out.flush()
 }
 
 /// Writes the parts to a new file in the folder of `path`.
-fn prepare(path: &Path, parts: &[Vec<u8>], old: Option<&fs::Metadata>) -> Result<NamedTempFile, AssetError> {
+fn prepare(path: &Path, parts: &[Content], old: Option<&fs::Metadata>) -> Result<NamedTempFile, AssetError> {
     let fail = |error: &std::io::Error| AssetError::output(path, error, "write");
     let folder = folder_of(path);
     if !folder.is_dir() {
@@ -195,7 +204,7 @@ fn prepare(path: &Path, parts: &[Vec<u8>], old: Option<&fs::Metadata>) -> Result
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).map_err(|error| fail(&error))?;
-    write_parts(&mut file, parts).and_then(|()| file.flush()).map_err(|error| fail(&error))?;
+    write_parts(&mut file, parts).map_err(|error| fail(&error))?;
     if let Some(old) = old {
         if old.permissions().readonly() {
             return Err(refused(path, "a file that is read-only", "one that may be replaced"));

@@ -7,6 +7,7 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::{Value, json};
 
 use crate::container;
+use crate::content::{Content, Contents};
 use crate::document::{Gltf, Source};
 use crate::edit::whole;
 use crate::error::AssetError;
@@ -62,8 +63,9 @@ impl Gltf {
 
     /// The document as one GLB, with all buffers and images in it.
     pub fn to_glb(&self) -> Result<Vec<u8>, AssetError> {
-        let (json, bin) = self.embedded();
-        let glb = text_of(&json).and_then(|text| container::assemble(&text, bin.as_deref(), &self.chunks));
+        let (json, bin) = self.clone().embedded();
+        let glb = text_of(&json).and_then(|text| container::assemble(&text, bin, &self.chunks));
+        let glb = glb.map(|parts| OutputFile { parts, ..OutputFile::new("", Vec::new()) }.bytes());
         glb.map_err(|error| error.in_file(&self.file))
     }
 
@@ -80,8 +82,7 @@ impl Gltf {
             embedded = self.embedded();
             (&embedded.0, embedded.1)
         };
-        let (before, after) = container::around(&text_of(json)?, bin.as_ref().map(Vec::len), &self.chunks)?;
-        let parts = [Some(before), bin, Some(after)].into_iter().flatten().collect();
+        let parts = container::assemble(&text_of(json)?, bin, &self.chunks)?;
         files.push(OutputFile { parts, ..OutputFile::new(out, Vec::new()) });
         Ok(files)
     }
@@ -107,7 +108,8 @@ impl Gltf {
                 entry.insert("uri".to_owned(), json!(utf8_percent_encode(&name, ESCAPED).to_string()));
             }
             buffer.bytes.truncate(buffer.length);
-            files.push(OutputFile::new(out.with_file_name(name), take(&mut buffer.bytes)));
+            let parts = take(&mut buffer.bytes).into_parts();
+            files.push(OutputFile { parts, ..OutputFile::new(out.with_file_name(name), Vec::new()) });
         }
         let mut text =
             serde_json::to_vec_pretty(&json).map_err(|error| AssetError::file(error.to_string(), "JSON"))?;
@@ -158,25 +160,23 @@ impl Gltf {
         files
     }
 
-    /// The JSON with all buffers and images in one chunk, and that chunk.
-    fn embedded(&self) -> (Value, Option<Vec<u8>>) {
+    /// The JSON with all buffers and images in one chunk, and that chunk; takes the bytes of the buffers.
+    fn embedded(&mut self) -> (Value, Option<Contents>) {
+        let images = self.loose_images();
         let mut json = self.json.clone();
-        let mut bin = self.orphan.clone().unwrap_or_default();
-        let align = |bin: &mut Vec<u8>| {
-            bin.resize(bin.len().div_ceil(4) * 4, 0);
-            bin.len()
-        };
+        let mut bin = self.orphan.take().unwrap_or_default();
         // Where each buffer goes: into the chunk, from a byte on; one without data stays a buffer of its own.
         let mut starts = Vec::with_capacity(self.buffers.len());
         let mut apart = Vec::new();
-        for (buffer, entry) in self.buffers.iter().zip(self.list("buffers")) {
+        for (index, buffer) in self.buffers.iter_mut().enumerate() {
             if buffer.source == Source::Fallback {
-                apart.push(entry.clone());
+                apart.extend(json.pointer(&format!("/buffers/{index}")).cloned());
                 starts.push((apart.len(), 0));
                 continue;
             }
-            starts.push((0, align(&mut bin)));
-            bin.extend_from_slice(&buffer.bytes[..buffer.length]);
+            starts.push((0, bin.align()));
+            buffer.bytes.truncate(buffer.length);
+            bin.append(take(&mut buffer.bytes));
         }
         if starts.len() > 1 || starts.first().is_some_and(|&(_, start)| start > 0) {
             for view in json.get_mut("bufferViews").and_then(Value::as_array_mut).into_iter().flatten() {
@@ -190,15 +190,13 @@ impl Gltf {
                 }
             }
         }
-        let mut budget = Budget::new(&self.limits);
-        for index in 0..self.list("images").len() {
-            let Some((media, bytes)) = self.loose_image(index, &mut budget) else { continue };
-            let offset = align(&mut bin);
-            bin.extend_from_slice(&bytes);
+        for (index, media, bytes) in images {
+            let (offset, length) = (bin.align(), bytes.len());
+            bin.push(Content::from(bytes));
             let view = push(
                 &mut json,
                 "bufferViews",
-                json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }),
+                json!({ "buffer": 0, "byteOffset": offset, "byteLength": length }),
             );
             if let Some(image) = json.pointer_mut(&format!("/images/{index}")).and_then(Value::as_object_mut)
             {
@@ -217,6 +215,14 @@ impl Gltf {
         let all: Vec<Value> = std::iter::once(Value::Object(first)).chain(apart).collect();
         json["buffers"] = Value::Array(all);
         (json, Some(bin))
+    }
+
+    /// The images that are not in a buffer view yet, and can be taken in.
+    fn loose_images(&self) -> Vec<(usize, String, Vec<u8>)> {
+        let mut budget = Budget::new(&self.limits);
+        let all = 0..self.list("images").len();
+        let loose = all.filter_map(|index| Some((index, self.loose_image(index, &mut budget)?)));
+        loose.map(|(index, (media, bytes))| (index, media, bytes)).collect()
     }
 
     /// An image that is not in a buffer view yet, and its media type. None where it cannot be taken in: it then

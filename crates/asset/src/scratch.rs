@@ -2,6 +2,7 @@
 
 use serde_json::json;
 
+use crate::content::Contents;
 use crate::document::{Buffer, Gltf, Source};
 use crate::edit::INDICES;
 use crate::error::AssetError;
@@ -111,7 +112,7 @@ impl Gltf {
             gltf.append("materials", material)?;
         }
         gltf.json["buffers"] = json!([{ "byteLength": 0 }]);
-        gltf.buffers.push(Buffer { bytes: Vec::new(), length: 0, source: Source::Bin });
+        gltf.buffers.push(Buffer { bytes: Contents::default(), length: 0, source: Source::Bin });
         for mesh in meshes {
             gltf.append_mesh(mesh).map_err(|error| error.in_file(name))?;
         }
@@ -120,12 +121,12 @@ impl Gltf {
 
     fn append_mesh(&mut self, mesh: &NewMesh<'_>) -> Result<(), AssetError> {
         check(mesh)?;
-        let mut attributes = json!({ "POSITION": self.append_vertices(mesh.positions, true)? });
+        let mut attributes = json!({ "POSITION": self.append_vertices(copied(mesh.positions)?, true)? });
         if let Some(normals) = mesh.normals {
-            attributes["NORMAL"] = json!(self.append_vertices(normals, false)?);
+            attributes["NORMAL"] = json!(self.append_vertices(copied(normals)?, false)?);
         }
         if let Some(uvs) = mesh.uvs {
-            attributes["TEXCOORD_0"] = json!(self.append_vertices(uvs, false)?);
+            attributes["TEXCOORD_0"] = json!(self.append_vertices(copied(uvs)?, false)?);
         }
         let mut primitive = json!({ "attributes": attributes });
         if mesh.triangles.is_empty() {
@@ -148,7 +149,7 @@ impl Gltf {
         for &index in flat {
             bytes.extend_from_slice(&index.to_le_bytes()[..if short { 2 } else { 4 }]);
         }
-        let view = self.append_view(&bytes, Some(INDICES))?;
+        let view = self.append_view(bytes, Some(INDICES))?;
         let kind = if short { 5123 } else { 5125 };
         let accessor =
             json!({ "bufferView": view, "componentType": kind, "count": flat.len(), "type": "SCALAR" });
@@ -183,9 +184,9 @@ impl Gltf {
     }
 
     /// Appends an image, the bytes of a file called `name`, and gives its index.
-    pub fn append_image(&mut self, name: &str, bytes: &[u8]) -> Result<usize, AssetError> {
+    pub fn append_image(&mut self, name: &str, bytes: Vec<u8>) -> Result<usize, AssetError> {
+        let media = media_type(&bytes).unwrap_or("image/png");
         let view = self.append_view(bytes, None)?;
-        let media = media_type(bytes).unwrap_or("image/png");
         self.append("images", json!({ "name": name, "bufferView": view, "mimeType": media }))
     }
 
@@ -206,6 +207,13 @@ impl Gltf {
         let material = json!({ "name": look.name, "pbrMetallicRoughness": base, "alphaMode": mode, "doubleSided": true });
         self.append("materials", material)
     }
+}
+
+/// A copy, or a limit error where memory does not suffice.
+fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>, AssetError> {
+    let mut out = crate::limits::reserve(values.len())?;
+    out.extend_from_slice(values);
+    Ok(out)
 }
 
 fn check(mesh: &NewMesh<'_>) -> Result<(), AssetError> {

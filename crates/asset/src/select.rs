@@ -145,7 +145,7 @@ impl Gltf {
             Influences::read(self, attributes, out.len(), chosen.len(), budget, &mut Vec::new())?;
         for (v, slot) in out.iter_mut().enumerate() {
             let (mut of, mut all) = (0.0, 0.0);
-            for &(joint, weight) in influences.of(v) {
+            for (joint, weight) in influences.of(v) {
                 let Some(known) = chosen.get(joint as usize) else { continue };
                 let weight = f64::from(weight);
                 of += known.map_or(0.0, |_| weight);

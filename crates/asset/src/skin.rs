@@ -1,6 +1,7 @@
 //! Skins: the matrix that takes a vertex of a skinned mesh to the world, blended from its joints.
 
 use glam::DAffine3;
+use rayon::prelude::*;
 
 use crate::accessor::Component;
 use crate::document::Gltf;
@@ -11,6 +12,9 @@ use crate::limits::{Budget, Of, reserve};
 
 /// How far the sum of a vertex's weights may be from 1 before it is worth a warning: a unit of 8-bit weights.
 const WEIGHT_SLACK: f64 = 1.0 / 255.0;
+
+/// So many vertices are looked at by one thread at a time.
+const BLOCK: usize = 1 << 12;
 
 /// The joints of a skin, and where they were bound.
 #[derive(Clone, Debug)]
@@ -76,11 +80,15 @@ impl Skin {
 /// How the vertices of a primitive hang on the joints of its skin.
 #[derive(Clone, Debug)]
 pub(crate) struct Influences {
-    /// Joints of the skin and their weights as the file has them, vertex after vertex. A vertex has at least one; a
-    /// weight is above 0.
-    list: Vec<(u32, f32)>,
-    /// Where those of each vertex end.
-    ends: Vec<usize>,
+    /// At least one. A vertex has a weight above 0 in one of them.
+    sets: Vec<Set>,
+}
+
+/// Four joints of the skin and their weights for each vertex, as the file has them; those of weight 0 do not count.
+#[derive(Clone, Debug)]
+struct Set {
+    joints: Vec<[u16; 4]>,
+    weights: Vec<[f32; 4]>,
 }
 
 impl Influences {
@@ -94,48 +102,65 @@ impl Influences {
         budget: &mut Budget,
         warnings: &mut Vec<Warning>,
     ) -> Result<Self, AssetError> {
-        let sets = sets(gltf, attributes, joints, budget)?;
-        let each = size_of::<usize>() + sets.len().saturating_mul(4 * size_of::<(u32, f32)>());
-        budget.charge(Of::ExpandedBytes, count.saturating_mul(each) as u64, || attributes.place())?;
-        let above = sets.iter().flat_map(|(_, weights)| weights.as_flattened()).filter(|&&w| w > 0.0).count();
-        let mut out = Self { list: reserve(above.saturating_add(count))?, ends: reserve(count)? };
-        let (mut off, mut none) = (0_usize, 0_usize);
-        for v in 0..count {
-            let mut sum = 0.0;
-            for (indices, weights) in &sets {
-                let (Some(indices), Some(weights)) = (indices.get(v), weights.get(v)) else { continue };
-                let pairs = indices.iter().copied().zip(weights.iter().copied());
-                out.list.extend(pairs.filter(|&(_, weight)| weight > 0.0));
-                sum += weights.iter().map(|&weight| f64::from(weight)).sum::<f64>();
+        let mut out = Self { sets: Vec::new() };
+        for set in 0.. {
+            let (joint_key, weight_key) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));
+            if set > 0 && attributes.value().get(&joint_key).is_none() {
+                break;
             }
-            if sum <= 0.0 {
-                none += 1;
-                let first = sets.first().and_then(|(indices, _)| indices.get(v));
-                out.list.push((first.map_or(0, |indices| indices[0]), 1.0));
-            } else {
-                off += usize::from((sum - 1.0).abs() > WEIGHT_SLACK);
+            let (joint_json, weight_json) = (find(attributes, &joint_key)?, find(attributes, &weight_key)?);
+            let joints = joint_indices(gltf, joint_json, joints, budget)?;
+            let weights = joint_weights(gltf, weight_json, budget)?;
+            if joints.len() != count || weights.len() != count {
+                let found = format!("{} joints and {} weights", joints.len(), weights.len());
+                return Err(joint_json.found(found, format!("{count} of each, as there are vertices")));
             }
-            out.ends.push(out.list.len());
+            out.sets.push(Set { joints, weights });
         }
+        let (off, none) = out.complete();
         warn(off, none, attributes, warnings);
         Ok(out)
     }
 
-    /// The joints of a vertex and their weights, which need not add up to 1.
-    pub(crate) fn of(&self, vertex: usize) -> &[(u32, f32)] {
-        let first = if vertex == 0 { 0 } else { self.ends[vertex - 1] };
-        &self.list[first..self.ends[vertex]]
+    /// Binds vertices without weights to their first joint. Gives how many have weights that do not add up, and how many none.
+    fn complete(&mut self) -> (usize, usize) {
+        let Some((first, others)) = self.sets.split_first_mut() else { return (0, 0) };
+        let total = |weights: &[f32; 4]| weights.iter().map(|&weight| f64::from(weight)).sum::<f64>();
+        let vertex = |(v, weights): (usize, &mut [f32; 4])| {
+            let others = others.iter().filter_map(|set| set.weights.get(v)).map(total);
+            let sum = others.fold(total(weights), |sum, more| sum + more);
+            if sum <= 0.0 {
+                weights[0] = 1.0;
+                return (0, 1);
+            }
+            (usize::from((sum - 1.0).abs() > WEIGHT_SLACK), 0)
+        };
+        let vertices = first.weights.par_iter_mut().with_min_len(BLOCK).enumerate();
+        vertices.map(vertex).reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
+    }
+
+    /// The joints of a vertex and their weights, which are above 0 and need not add up to 1.
+    pub(crate) fn of(&self, vertex: usize) -> impl Iterator<Item = (u32, f32)> {
+        let pairs = self.sets.iter().flat_map(move |set| {
+            let (joints, weights) = (set.joints[vertex], set.weights[vertex]);
+            joints.map(u32::from).into_iter().zip(weights)
+        });
+        pairs.filter(|&(_, weight)| weight > 0.0)
     }
 
     /// The matrix of a vertex, from the matrices of the joints.
     pub(crate) fn matrix(&self, vertex: usize, joints: &[DAffine3]) -> DAffine3 {
         let mut out = DAffine3::ZERO;
         let mut sum = 0.0;
-        for &(joint, weight) in self.of(vertex) {
-            let (matrix, weight) = (&joints[joint as usize], f64::from(weight));
-            out.matrix3 += matrix.matrix3 * weight;
-            out.translation += matrix.translation * weight;
-            sum += weight;
+        for set in &self.sets {
+            for (&joint, &weight) in set.joints[vertex].iter().zip(&set.weights[vertex]) {
+                if weight > 0.0 {
+                    let (matrix, weight) = (&joints[joint as usize], f64::from(weight));
+                    out.matrix3 += matrix.matrix3 * weight;
+                    out.translation += matrix.translation * weight;
+                    sum += weight;
+                }
+            }
         }
         if sum != 1.0 {
             out.matrix3 *= 1.0 / sum;
@@ -143,27 +168,6 @@ impl Influences {
         }
         out
     }
-}
-
-/// Joints and weights of each vertex, four at a time.
-type Set = (Vec<[u32; 4]>, Vec<[f32; 4]>);
-
-fn sets(
-    gltf: &Gltf,
-    attributes: Json<'_>,
-    joints: usize,
-    budget: &mut Budget,
-) -> Result<Vec<Set>, AssetError> {
-    let mut out = Vec::new();
-    for set in 0.. {
-        let (joint_key, weight_key) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));
-        if set > 0 && attributes.value().get(&joint_key).is_none() {
-            break;
-        }
-        let indices = joint_indices(gltf, find(attributes, &joint_key)?, joints, budget)?;
-        out.push((indices, joint_weights(gltf, find(attributes, &weight_key)?, budget)?));
-    }
-    Ok(out)
 }
 
 fn find<'a>(attributes: Json<'a>, key: &str) -> Result<Json<'a>, AssetError> {
@@ -178,21 +182,27 @@ fn joint_indices(
     reference: Json<'_>,
     joints: usize,
     budget: &mut Budget,
-) -> Result<Vec<[u32; 4]>, AssetError> {
+) -> Result<Vec<[u16; 4]>, AssetError> {
     let accessor = gltf.accessor(reference)?;
-    if !matches!(accessor.component, Component::U8 | Component::U16)
-        || accessor.normalized
-        || accessor.lanes != 4
-    {
-        return Err(accessor
-            .json
-            .found("an accessor of another type", "joints: VEC4 of 8 or 16 bit unsigned integers"));
+    let typed = matches!(accessor.component, Component::U8 | Component::U16) && !accessor.normalized;
+    if !typed || accessor.lanes != 4 {
+        let expected = "joints: VEC4 of 8 or 16 bit unsigned integers";
+        return Err(accessor.json.found("an accessor of another type", expected));
     }
-    let indices = accessor.uints::<4>(budget)?;
-    match indices.iter().flatten().find(|&&joint| joint as usize >= joints) {
+    let indices = accessor.shorts::<4>(budget)?;
+    let bad = |joint: u16| usize::from(joint) >= joints;
+    // Most have no bad one, and the largest is found many at a time.
+    if indices.par_chunks(BLOCK).map(largest).max().is_none_or(|largest| !bad(largest)) {
+        return Ok(indices);
+    }
+    match indices.iter().flatten().find(|&&joint| bad(joint)) {
         Some(joint) => Err(accessor.json.found(format!("joint {joint}"), format!("joints below {joints}"))),
         None => Ok(indices),
     }
+}
+
+fn largest(indices: &[[u16; 4]]) -> u16 {
+    indices.as_flattened().iter().copied().max().unwrap_or(0)
 }
 
 fn joint_weights(gltf: &Gltf, reference: Json<'_>, budget: &mut Budget) -> Result<Vec<[f32; 4]>, AssetError> {
@@ -207,7 +217,12 @@ fn joint_weights(gltf: &Gltf, reference: Json<'_>, budget: &mut Budget) -> Resul
         return Err(accessor.json.found("an accessor of another type", expected));
     }
     let weights = accessor.floats::<4>(budget)?;
-    match weights.iter().flatten().find(|weight| !weight.is_finite() || **weight < 0.0) {
+    let good = |weight: f32| (0.0..=f32::MAX).contains(&weight);
+    let all_good = |weights: &[[f32; 4]]| weights.as_flattened().iter().fold(true, |all, &w| all & good(w));
+    if weights.par_chunks(BLOCK).all(all_good) {
+        return Ok(weights);
+    }
+    match weights.iter().flatten().find(|&&weight| !good(weight)) {
         Some(weight) => Err(accessor.json.found(format!("the weight {weight}"), "finite weights from 0")),
         None => Ok(weights),
     }

@@ -10,7 +10,8 @@ use crate::edit::drop_compressed;
 use crate::error::AssetError;
 use crate::json::Json;
 use crate::limits::Budget;
-use crate::rest::{LocalDeltas, Rest};
+use crate::local::LocalDeltas;
+use crate::rest::Rest;
 
 /// What a node's primitives become: for each the displacements of its vertices, none where nothing moves.
 type Change<'a> = Vec<Option<&'a LocalDeltas>>;
@@ -134,20 +135,11 @@ impl Gltf {
                 [x, y, z, w]
             };
             let sums: Vec<[f32; 4]> = values.iter().zip(deltas).map(sum).collect();
-            return self.append_vertices(&sums, false);
+            return self.append_vertices(sums, false);
         }
         let values = vectors(self, reference)?.floats::<3>(&mut budget)?;
         let sums: Vec<[f32; 3]> = values.iter().zip(deltas).map(|(b, d)| add(*b, *d)).collect();
-        self.append_vertices(&sums, key == "POSITION")
-    }
-}
-
-impl LocalDeltas {
-    /// Whether anything differs from the rest.
-    pub fn moves(&self) -> bool {
-        let still = |deltas: &Vec<[f32; 3]>| deltas.iter().all(|d| *d == [0.0; 3]);
-        let turned = [&self.normals, &self.tangents].into_iter().flatten();
-        !still(&self.positions) || !turned.into_iter().all(still)
+        self.append_vertices(sums, key == "POSITION")
     }
 }
 

@@ -83,7 +83,7 @@ fn use_it(glb: &[u8]) -> bool {
     let _ = still.to_glb();
     for part in &rest.parts {
         let deltas = rest.to_local(part.block, &moved, None, None);
-        let Ok(position) = gltf.append_deltas(&deltas.positions, true) else { continue };
+        let Ok(position) = gltf.append_deltas(deltas.positions, true) else { continue };
         let target = wirework_asset::MorphTarget { position, normal: None, tangent: None };
         let target = wirework_asset::MeshTarget { name: "a".into(), primitives: vec![target] };
         let _ = gltf.add_targets_by_node(part.mesh, &[(part.node, &[target])]);

@@ -7,9 +7,10 @@ use thiserror::Error;
 
 use crate::attributes::{copy_influence, largest_radius, same_influence};
 use crate::blend::{self, Sums};
-use crate::bound_wire::{BoundWire, UNBOUND, keep_masks, same_places};
+use crate::bound_wire::{BoundWire, UNBOUND, same_places};
 use crate::influence::Measure;
 use crate::kernel::{Displacements, displace};
+use crate::mask::{self, Mask};
 use crate::runs::Runs;
 use crate::tiles::{TILE, Tile, Tiles};
 use crate::wire::WireError;
@@ -42,8 +43,8 @@ pub enum BindError {
     /// More points than 32 bits count.
     #[error("{0} points are more than 2³² − 1")]
     TooManyPoints(usize),
-    /// A mask does not hold a number for each point.
-    #[error("a mask of {points} points holds {found} numbers")]
+    /// A mask does not hold a number for each point, or names points that are not there or out of order.
+    #[error("a mask of {found} numbers does not fit {points} points")]
     MaskCount {
         /// Points to be bound.
         points: usize,
@@ -75,8 +76,6 @@ pub enum BindError {
 pub struct Binding {
     tiles: Tiles,
     wires: Vec<BoundWire>,
-    /// Each mask once; wires often share one.
-    masks: Vec<Vec<f32>>,
     /// About one over the size of the scene, a power of two.
     unit: f32,
     /// Wires of a group are equally near when their distances differ by less.
@@ -100,34 +99,51 @@ impl Binding {
         Self::masked(wires, points, &[])
     }
 
-    /// The same with masks: `masks[i]`, where there is one, multiplies `F` of wire `i`, a number from 0 to 1 for each point. Numbers
-    /// outside are taken as the nearer of the two, NaN as 0. May be shorter than `wires`.
-    pub fn masked(wires: &[Wire], points: &[[f32; 3]], masks: &[Option<&[f32]>]) -> Result<Self, BindError> {
+    /// The same with masks: `masks[i]`, where there is one, multiplies `F` of wire `i`. May be shorter than `wires`.
+    pub fn masked(
+        wires: &[Wire],
+        points: &[[f32; 3]],
+        masks: &[Option<Mask<'_>>],
+    ) -> Result<Self, BindError> {
         check(wires)?;
         if u32::try_from(points.len()).is_err() {
             return Err(BindError::TooManyPoints(points.len()));
         }
-        if let Some(found) = masks.iter().flatten().map(|mask| mask.len()).find(|len| *len != points.len()) {
-            return Err(BindError::MaskCount { points: points.len(), found });
-        }
+        check_masks(masks, points.len())?;
         let tiles = Tiles::new(points);
         let whole = tiles.ball().map_or(0.0, |ball| ball.radius);
         let unit = if whole > 0.0 { (-whole.log2().round()).exp2() as f32 } else { 1.0 };
         let of_points = tiles.ball().map_or(0.0, |ball| ball.center.abs().max_element() + ball.radius);
         let of_curves = wires.iter().flat_map(|w| w.reference.points()).flatten().map(|c| f64::from(c.abs()));
         let tie = GROUP_TIE * of_curves.fold(of_points, f64::max);
-        let (kept, of_wires) = keep_masks(masks);
-        let mut binding = Self { tiles, wires: Vec::new(), masks: kept, unit, tie };
-        let mask = |index: usize| of_wires.get(index).copied().flatten();
+        let kept = mask::keep(masks);
+        let mut binding = Self { tiles, wires: Vec::new(), unit, tie };
+        let mask = |index: usize| kept.get(index).cloned().flatten();
         binding.wires.extend(wires.iter().enumerate().map(|(i, wire)| BoundWire::new(wire, mask(i))));
         for index in 0..wires.len() {
             let reach = binding.reach(wires, index);
-            binding.wires[index].find(reach, &binding.tiles, &binding.masks);
+            binding.wires[index].find(reach, &binding.tiles);
         }
         for index in 0..wires.len() {
             binding.sort_group(index);
         }
         Ok(binding)
+    }
+
+    /// Binds all wires anew, with other masks in the place of those that they were bound with. For wires whose reference moves, and
+    /// with it where they may act; [`Binding::deform_into`] does the same where only references moved.
+    pub fn rebind(&mut self, wires: &[Wire], masks: &[Option<Mask<'_>>]) -> Result<(), BindError> {
+        check(wires)?;
+        check_masks(masks, self.tiles.count)?;
+        if wires.len() != self.wires.len() {
+            return Err(BindError::WireCount { bound: self.wires.len(), found: wires.len() });
+        }
+        let kept = mask::keep(masks).into_iter().chain(std::iter::repeat(None));
+        for (bound, mask) in self.wires.iter_mut().zip(kept) {
+            (bound.mask, bound.reach) = (mask, UNBOUND);
+        }
+        self.update(wires);
+        Ok(())
     }
 
     /// Number of points bound.
@@ -196,7 +212,7 @@ impl Binding {
         for (bound, wire) in self.wires.iter_mut().zip(wires) {
             if !same_places(&bound.wire, wire) {
                 let old_group = bound.wire.group;
-                *bound = BoundWire { left: old_group, ..BoundWire::new(wire, bound.mask) };
+                *bound = BoundWire { left: old_group, ..BoundWire::new(wire, bound.mask.clone()) };
             }
         }
         for index in 0..wires.len() {
@@ -205,7 +221,7 @@ impl Binding {
             let anew = bound.reach == UNBOUND;
             if reach > bound.reach {
                 copy_influence(wire, &mut bound.wire);
-                bound.find(if anew { reach } else { reach * REACH_SLACK }, &self.tiles, &self.masks);
+                bound.find(if anew { reach } else { reach * REACH_SLACK }, &self.tiles);
                 bound.found_anew = true;
             } else if !same_influence(&bound.wire, wire) {
                 copy_influence(wire, &mut bound.wire);
@@ -253,16 +269,22 @@ impl Binding {
             let own = bound.found.feet[i].distance;
             // A wire that is masked out at a point is no rival there.
             let at = |rival: &BoundWire| {
-                let mask = rival.mask.and_then(|mask| self.masks.get(mask));
-                let out = mask.is_some_and(|mask| mask[i] <= 0.0);
+                let out = rival.mask.as_ref().is_some_and(|mask| mask.at(i) <= 0.0);
                 if out { f64::INFINITY } else { rival.found.feet[i].distance }
             };
             let nearest = rivals.iter().map(|(_, rival)| at(rival)).fold(own, f64::min);
             let near = |distance: f64| distance <= nearest + self.tie;
             near(own) && !rivals.iter().any(|(other, rival)| *other < index && near(at(rival)))
         };
-        let runs = Runs::new(bound.bound(&self.masks), &self.tiles, &bound.found, &acts);
+        let runs = Runs::new(bound.bound(), &self.tiles, &bound.found, &acts);
         self.wires[index].runs = runs;
+    }
+}
+
+fn check_masks(masks: &[Option<Mask<'_>>], points: usize) -> Result<(), BindError> {
+    match masks.iter().flatten().find_map(|mask| mask.misfit(points)) {
+        Some(found) => Err(BindError::MaskCount { points, found }),
+        None => Ok(()),
     }
 }
 
@@ -383,7 +405,7 @@ mod tests {
         let bits = |points: &[[f32; 3]]| points.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
         assert_eq!(bits(&fast), bits(&slow));
         for bound in &binding.wires {
-            let sought = bound.bound(&[]).sought;
+            let sought = bound.bound().sought;
             for (i, (tile, balls)) in binding.tiles.list.iter().zip(&binding.tiles.balls).enumerate() {
                 let count = (points.len() - i * TILE).min(TILE);
                 let [fast, slow] = [true, false].map(|fast| sought.both(tile, balls, count, fast));

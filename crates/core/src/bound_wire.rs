@@ -1,10 +1,13 @@
 //! One wire's part of a binding: its curve prepared, the feet of all points, the runs made of them.
 
+use std::sync::Arc;
+
 use crate::arclength::ArcLength;
 use crate::cells::Cells;
 use crate::closest::Pieces;
 use crate::domain::DomainCurve;
 use crate::frame::Frame;
+use crate::mask::KeptMask;
 use crate::runs::{Bound, Runs};
 use crate::search::{Found, Sought};
 use crate::spans::Spans;
@@ -25,8 +28,8 @@ pub(crate) struct BoundWire {
     pub(crate) left: Option<u32>,
     /// Whether its feet were found since the groups were last sorted.
     pub(crate) found_anew: bool,
-    /// Which of the binding's masks it has.
-    pub(crate) mask: Option<usize>,
+    /// What multiplies its influence.
+    pub(crate) mask: Option<Arc<KeptMask>>,
     pub(crate) spans: Spans,
     pub(crate) pieces: Pieces,
     pub(crate) domains: Vec<DomainCurve>,
@@ -40,7 +43,7 @@ pub(crate) struct BoundWire {
 
 impl BoundWire {
     /// The wire prepared; its feet are still to be found.
-    pub(crate) fn new(wire: &Wire, mask: Option<usize>) -> Self {
+    pub(crate) fn new(wire: &Wire, mask: Option<Arc<KeptMask>>) -> Self {
         let spans = Spans::new(&wire.reference);
         let width = if let Closest::Blended(width) = wire.closest { f64::from(width) } else { 0.0 };
         let domain = |d: &Domain| DomainCurve::new(&d.curve, d.bounds == Bounded::Influence);
@@ -62,12 +65,12 @@ impl BoundWire {
     }
 
     /// Finds the feet of all points up to `reach`, and makes runs of them; in a group that is left to the binding.
-    pub(crate) fn find(&mut self, reach: f32, tiles: &Tiles, masks: &[Vec<f32>]) {
+    pub(crate) fn find(&mut self, reach: f32, tiles: &Tiles) {
         self.reach = reach;
         if self.wire.group.is_some() {
-            self.found = self.bound(masks).sought.everywhere(tiles);
+            self.found = self.bound().sought.everywhere(tiles);
         } else {
-            self.runs = Runs::bind(self.bound(masks), tiles);
+            self.runs = Runs::bind(self.bound(), tiles);
         }
     }
 
@@ -76,7 +79,7 @@ impl BoundWire {
         self.domains.iter().map(|domain| domain.reach(&self.pieces)).fold(0.0, f64::max) as f32
     }
 
-    pub(crate) fn bound<'a>(&'a self, masks: &'a [Vec<f32>]) -> Bound<'a> {
+    pub(crate) fn bound(&self) -> Bound<'_> {
         Bound {
             wire: &self.wire,
             cells: &self.cells,
@@ -86,7 +89,7 @@ impl BoundWire {
                 domains: &self.domains,
                 reach: f64::from(self.reach),
             },
-            mask: self.mask.and_then(|mask| masks.get(mask)).map(Vec::as_slice),
+            mask: self.mask.as_deref(),
         }
     }
 }
@@ -97,20 +100,4 @@ pub(crate) fn same_places(a: &Wire, b: &Wire) -> bool {
     let domains =
         a.domains.iter().map(|d| (&d.curve, d.bounds)).eq(b.domains.iter().map(|d| (&d.curve, d.bounds)));
     a.reference == b.reference && a.closest == b.closest && a.group == b.group && locators && domains
-}
-
-/// Each of the masks once, and which of them each wire has.
-pub(crate) fn keep_masks(masks: &[Option<&[f32]>]) -> (Vec<Vec<f32>>, Vec<Option<usize>>) {
-    let mut given: Vec<&[f32]> = Vec::new();
-    let of_wires = masks.iter().map(|mask| {
-        let mask = (*mask)?;
-        let known = given.iter().position(|other| std::ptr::eq(*other, mask));
-        Some(known.unwrap_or_else(|| {
-            given.push(mask);
-            given.len() - 1
-        }))
-    });
-    let of_wires = of_wires.collect();
-    let in_range = |f: &f32| if f.is_nan() { 0.0 } else { f.clamp(0.0, 1.0) };
-    (given.into_iter().map(|mask| mask.iter().map(in_range).collect()).collect(), of_wires)
 }

@@ -42,6 +42,7 @@ mod influence;
 mod kernel;
 mod keyed;
 mod lattice;
+mod mask;
 mod medial;
 mod piece;
 mod quintic;
@@ -60,6 +61,7 @@ pub use curve::{Curve, CurveError, CurveKind};
 pub use density::{Density, Profile, ProfileError};
 pub use keyed::{Interpolate, Keyed, Keys, KeysError};
 pub use lattice::{Lattice, LatticeBinding, LatticeError, MAX_LATTICE_CELLS};
+pub use mask::Mask;
 pub use wire::{
     Bend, Blend, Bounded, Closest, Correspondence, Domain, Interpolation, LARGEST_TWIST, Locator, Wire,
     WireError,

@@ -11,6 +11,7 @@ use crate::cells::Cells;
 use crate::domain::Side;
 use crate::influence::{FADES, Measure};
 use crate::kernel::RunPoints;
+use crate::mask::KeptMask;
 use crate::search::{Found, Sought, StoredFoot};
 use crate::tiles::{Balls, TILE, Tile, Tiles};
 
@@ -55,8 +56,8 @@ pub(crate) struct Bound<'a> {
     pub(crate) wire: &'a Wire,
     pub(crate) cells: &'a Cells,
     pub(crate) sought: Sought<'a>,
-    /// What multiplies `F`, a number a point.
-    pub(crate) mask: Option<&'a [f32]>,
+    /// What multiplies `F`.
+    pub(crate) mask: Option<&'a KeptMask>,
 }
 
 /// Whether a wire acts on a point, by the point's index.
@@ -107,7 +108,11 @@ impl Runs {
         }
         let all = bound.sought.pieces.all();
         let part = |(i, (tile, balls)): (usize, (&Tile, &Balls))| {
-            let found = bound.sought.tile(tile, balls, &all, (tiles.count - i * TILE).min(TILE));
+            let count = (tiles.count - i * TILE).min(TILE);
+            if bound.mask.is_some_and(|mask| mask.of(i * TILE..i * TILE + count).is_none()) {
+                return TileRuns::default();
+            }
+            let found = bound.sought.tile(tile, balls, &all, count);
             found.map_or_else(TileRuns::default, |found| bound.sort(tile, i * TILE, &found, &|_| true))
         };
         Self(tiles.searched().par_iter().zip(&tiles.balls).enumerate().map(part).collect())
@@ -136,8 +141,13 @@ impl Runs {
 impl Bound<'_> {
     /// The runs of a tile whose first point is number `first`, from the feet of its points.
     fn sort(self, tile: &Tile, first: usize, found: &Found, acts: Acts) -> TileRuns {
-        let mask = self.mask.map(|mask| &mask[first..]);
         let closest = found.feet.len();
+        let mask = match self.mask.map(|mask| mask.of(first..first + closest)) {
+            Some(None) => return TileRuns::default(),
+            Some(mask) => mask,
+            None => None,
+        };
+        let mask = mask.as_deref();
         // Slots: the closest feet, then the further ones.
         let at = |slot: u32| match found.feet.get(slot as usize) {
             Some(foot) => (slot as usize, *foot),

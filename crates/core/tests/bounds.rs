@@ -4,12 +4,13 @@
 //! The wires are lifted by one unit, so that the displacement is `F`.
 
 use glam::DVec3;
-use wirework_core::{Binding, Blend, Bounded, Curve, Density, Domain, Locator, Wire};
+use wirework_core::{Binding, Blend, Bounded, Curve, Density, Domain, Locator, Mask, Wire};
 use wirework_reference::{Random, Rig, Scene};
 
 fn deform(wires: &[Wire], points: &[[f32; 3]], masks: &[Option<&[f32]>]) -> Vec<[f32; 3]> {
     let mut out = vec![[0.0; 3]; points.len()];
-    let mut binding = Binding::masked(wires, points, masks).unwrap();
+    let masks: Vec<_> = masks.iter().map(|mask| mask.map(Mask::Dense)).collect();
+    let mut binding = Binding::masked(wires, points, &masks).unwrap();
     binding.deform_into(wires, &Blend::default(), &mut out).unwrap();
     out
 }

@@ -4,7 +4,7 @@
 //! `WIREWORK_RIGS=5000` widens the search.
 
 use std::cell::OnceCell;
-use wirework_core::Binding;
+use wirework_core::{Binding, Mask};
 use wirework_reference::{Doubt, Random, Rig, Scene};
 
 /// The contract: errors in parts of the scene's diagonal.
@@ -216,6 +216,37 @@ fn a_binding_takes_up_what_changed() {
         for step in [&other, &rig, &other] {
             binding.deform_into(&step.wires, &step.blend, &mut found).unwrap();
             assert_eq!(bits(&found), bits(&deform(step)), "seed {seed}, changed");
+        }
+    }
+}
+
+#[test]
+fn sparse_masks_do_what_dense_ones_do() {
+    for seed in 0..60 {
+        let rig = rig(seed);
+        let mut random = Random::new(seed + 77);
+        // A band of points in some tiles, single ones in others.
+        let keep = |i: usize, random: &mut Random| (i / 300) % 3 == 1 || random.range(0.0, 1.0) < 0.01;
+        let points: Vec<u32> =
+            (0..rig.points.len() as u32).filter(|&i| keep(i as usize, &mut random)).collect();
+        let factors: Vec<f32> = points.iter().map(|_| random.range(-0.2, 1.2) as f32).collect();
+        let mut dense = vec![0.0; rig.points.len()];
+        points.iter().zip(&factors).for_each(|(&i, &f)| dense[i as usize] = f);
+        let sparse = vec![Some(Mask::Sparse { points: &points, factors: &factors }); rig.wires.len()];
+        let dense = vec![Some(Mask::Dense(&dense)); rig.wires.len()];
+        let mut of = |masks: &[Option<Mask<'_>>], again: bool| {
+            let first = if again { rig.masks() } else { masks.to_vec() };
+            let mut binding = Binding::masked(&rig.wires, &rig.points, &first).unwrap();
+            if again {
+                binding.rebind(&rig.wires, masks).unwrap();
+            }
+            let mut found = vec![[0.0; 3]; rig.points.len()];
+            binding.deform_into(&rig.wires, &rig.blend, &mut found).unwrap();
+            bits(&found)
+        };
+        let expected = of(&dense, false);
+        for (masks, again) in [(&sparse, false), (&sparse, true), (&dense, true)] {
+            assert_eq!(of(masks, again), expected, "seed {seed}");
         }
     }
 }

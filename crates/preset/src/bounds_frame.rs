@@ -1,7 +1,7 @@
 //! `units: Bounds`: positions in parts of the object's largest side, about its centre.
 
 use wirework_core::{Curve, Keyed, Lattice};
-use wirework_wrinkle::{Pattern, Wrinkle};
+use wirework_wrinkle::{Drawn, Layout, Motion, Pattern, Strain, Wrinkle};
 
 use crate::deform::Deform;
 use crate::preset::{Action, Effect};
@@ -37,7 +37,13 @@ impl Effect {
             }),
             Action::Wrinkle(wrinkle) => Action::Wrinkle(Box::new(frame.wrinkle(wrinkle))),
         };
-        Self { action, only: self.only.clone(), mask: self.mask.clone(), units: Units::Metres }
+        Self {
+            action,
+            only: self.only.clone(),
+            mask: self.mask.clone(),
+            units: Units::Metres,
+            refine: self.refine,
+        }
     }
 }
 
@@ -59,10 +65,13 @@ impl BoundsFrame {
 
     /// A length that moves. One greater than 0 stays so.
     pub(crate) fn lengths(&self, lengths: &Keyed<f32>) -> Keyed<f32> {
-        lengths.map(|&length| {
-            let placed = near(f64::from(self.size) * f64::from(length));
-            if length > 0.0 { placed.max(f32::MIN_POSITIVE) } else { placed }
-        })
+        lengths.map(|&length| self.length(length))
+    }
+
+    /// A length. One greater than 0 stays so.
+    fn length(&self, length: f32) -> f32 {
+        let placed = near(f64::from(self.size) * f64::from(length));
+        if length > 0.0 { placed.max(f32::MIN_POSITIVE) } else { placed }
     }
 
     /// A curve.
@@ -72,15 +81,41 @@ impl BoundsFrame {
     }
 
     fn wrinkle(&self, wrinkle: &Wrinkle) -> Wrinkle {
+        let drawn = |drawn: &Drawn| Drawn {
+            curve: self.curve(&drawn.curve),
+            points: drawn.points.as_ref().map(|points| self.points(points)),
+        };
         let pattern = match &wrinkle.pattern {
-            Pattern::Drawn(curves) => Pattern::Drawn(curves.iter().map(|curve| self.curve(curve)).collect()),
+            Pattern::Drawn(curves) => Pattern::Drawn(curves.iter().map(drawn).collect()),
+            Pattern::Tangential(layout) => Pattern::Tangential(self.layout(layout)),
+            Pattern::Radial(layout, branches) => Pattern::Radial(self.layout(layout), *branches),
+            Pattern::Ripple(layout) => Pattern::Ripple(self.layout(layout)),
             other => other.clone(),
         };
+        let motion = match wrinkle.motion {
+            Motion::Travelling { velocity } => Motion::Travelling {
+                velocity: velocity.map(|speed| near(f64::from(self.size) * f64::from(speed))),
+            },
+            ref other => other.clone(),
+        };
+        let drive = wrinkle
+            .drive
+            .map(|strain| Strain { radius: strain.radius.map(|radius| self.length(radius)), ..strain });
         Wrinkle {
             pattern,
+            motion,
+            drive,
             thickness: self.lengths(&wrinkle.thickness),
             intensity: self.lengths(&wrinkle.intensity),
             ..wrinkle.clone()
+        }
+    }
+
+    fn layout(&self, layout: &Layout) -> Layout {
+        Layout {
+            center: self.point(layout.center),
+            size: layout.size.map(|side| self.length(side)),
+            ..*layout
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Curves and densities as typed: `BSpline(degree: 3, points: [..], closed: false)`, `Quartic`, `Profile([..])`.
 
-use wirework_core::{Curve, CurveError, CurveKind, Density, Profile, ProfileError};
+use wirework_core::{Curve, CurveError, CurveKind, Density, Keyed, Profile, ProfileError};
 
+use crate::moments::key_nodes;
 use crate::read::{Fields, Reader, Within};
 use crate::tree::{Body, Node};
 
@@ -12,6 +13,33 @@ const DEFAULT_DEGREE: u8 = 3;
 
 /// A curve. `points` may also stand alone: `Polyline([..])`.
 pub(crate) fn curve(reader: &mut Reader<'_>, node: &Node) -> Option<Curve> {
+    of_points(reader, node, build)
+}
+
+/// A curve, and its control points where they have keys.
+pub(crate) fn keyed_curve(
+    reader: &mut Reader<'_>,
+    node: &Node,
+) -> Option<(Curve, Option<Keyed<Vec<[f32; 3]>>>)> {
+    of_points(reader, node, |reader, owner, degree, closed, node| {
+        if node.name.is_none() {
+            return Some((build(reader, owner, degree, closed, node)?, None));
+        }
+        let points = reader.keyed_points(node, "a key", None)?;
+        for (_, value) in key_nodes(node) {
+            build(reader, owner, degree, closed, value)?;
+        }
+        let curve = Curve::new(kind(owner, degree), closed, points.at(0.0)).ok()?;
+        Some((curve, Some(points)))
+    })
+}
+
+/// What `build` makes of the kind, degree, closedness and points of a curve.
+fn of_points<T>(
+    reader: &mut Reader<'_>,
+    node: &Node,
+    build: impl Fn(&mut Reader<'_>, &str, u8, bool, &Node) -> Option<T>,
+) -> Option<T> {
     let Some(name) = &node.name else {
         return reader.mismatch(node, &format!("a curve such as `{}(points: [(x, y, z), ..])`", CURVES[0]));
     };
@@ -21,7 +49,7 @@ pub(crate) fn curve(reader: &mut Reader<'_>, node: &Node) -> Option<Curve> {
     };
     if let Body::Tuple(items) = &node.body
         && let [points] = items.as_slice()
-        && matches!(points.body, Body::List(_))
+        && (matches!(points.body, Body::List(_)) || points.name.is_some())
     {
         return build(reader, owner, DEFAULT_DEGREE, false, points);
     }
@@ -39,15 +67,18 @@ pub(crate) fn degree(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> u8 {
     reader.field(fields, "degree", DEFAULT_DEGREE, |reader, node| reader.degree(node, "a B-spline"))
 }
 
-fn build(reader: &mut Reader<'_>, owner: &str, degree: u8, closed: bool, node: &Node) -> Option<Curve> {
-    let kind = match owner {
+fn kind(owner: &str, degree: u8) -> CurveKind {
+    match owner {
         "BSpline" => CurveKind::BSpline { degree },
         "Polyline" => CurveKind::Polyline,
         "CatmullRom" => CurveKind::CatmullRom,
         _ => CurveKind::Bezier,
-    };
+    }
+}
+
+fn build(reader: &mut Reader<'_>, owner: &str, degree: u8, closed: bool, node: &Node) -> Option<Curve> {
     let points = reader.points(node)?;
-    match Curve::new(kind, closed, points) {
+    match Curve::new(kind(owner, degree), closed, points) {
         Ok(curve) => Some(curve),
         Err(CurveError::NotFinite { index }) => {
             let Body::List(items) = &node.body else { return None };

@@ -16,6 +16,9 @@ use crate::wrinkle::wrinkle;
 /// The version of the format that this crate reads.
 pub const FORMAT_VERSION: u64 = 1;
 
+/// How long what moves by itself is shown where nothing says, seconds.
+const FLOWING: f64 = 2.0;
+
 /// A preset, read and checked: no value in it is bad.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preset {
@@ -27,6 +30,9 @@ pub struct Preset {
     pub duration: f64,
     /// Whether anything moves in time. Without it the result is a still, whatever the duration.
     pub animated: bool,
+    /// Whether it looks at a clip of what it is applied to, and no duration was given: then it lasts as long as that, if that
+    /// is longer.
+    pub follows_clip: bool,
 }
 
 /// One effect: of a preset, where all its values are good, or of a program's own.
@@ -40,6 +46,8 @@ pub struct Effect {
     pub mask: Option<Mask>,
     /// What its lengths and positions are counted in; [`Effect::placed`] turns them into metres.
     pub units: Units,
+    /// Whether meshes that are too coarse for it are to be subdivided where it acts.
+    pub refine: bool,
 }
 
 /// What an effect does.
@@ -140,7 +148,13 @@ fn read(reader: &mut Reader<'_>, root: &Node) -> Option<Preset> {
     let mut scene = Scene::default();
     let mut effects = Vec::new();
     effect(reader, root, &mut scene, &mut effects)?;
-    Some(Preset { object: scene.object, effects, duration: scene.duration, animated: scene.animated })
+    Some(Preset {
+        object: scene.object,
+        effects,
+        duration: scene.duration,
+        animated: scene.animated,
+        follows_clip: scene.follows_clip,
+    })
 }
 
 /// What the effects of a preset have in common.
@@ -151,6 +165,7 @@ struct Scene {
     object: Option<Object>,
     duration: f64,
     animated: bool,
+    follows_clip: bool,
 }
 
 const EFFECTS: [&str; 3] = ["Deform", "Wrinkle", "Stack"];
@@ -165,7 +180,7 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
         "Deform" => "Deform",
         "Wrinkle" => "Wrinkle",
         other if later::EFFECTS.contains(&other) => {
-            later::refuse(reader, node, other, None);
+            later::refuse(reader, node, other);
             return None;
         }
         _ => {
@@ -183,9 +198,15 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
     } else {
         wrinkle(reader, &mut fields, &mut clock).map(|wrinkle| Action::Wrinkle(Box::new(wrinkle)))
     };
+    let mut refine = false;
+    if owner == "Wrinkle" {
+        let options = [("Off", false), ("Auto", true)];
+        refine = reader
+            .field(&mut fields, "refine", false, |reader, node| reader.choice(node, "refine", &options));
+    }
     duration(reader, &mut fields, &clock, scene);
     reader.finish(fields);
-    out.push(Effect { action: action?, only, mask, units });
+    out.push(Effect { action: action?, only, mask, units, refine });
     Some(())
 }
 
@@ -228,8 +249,10 @@ fn duration(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &Clock, sce
         }
         Some(seconds)
     });
-    scene.duration = scene.duration.max(given.or(clock.last).unwrap_or(0.0));
+    let flowing = if clock.flows { FLOWING } else { 0.0 };
+    scene.duration = scene.duration.max(given.or(clock.last).unwrap_or(flowing));
     scene.animated |= clock.moves;
+    scene.follows_clip |= clock.follows && given.is_none();
 }
 
 /// What the tracks of an effect say about time.
@@ -239,9 +262,23 @@ pub(crate) struct Clock {
     last: Option<f64>,
     /// Whether a track changes after 0 seconds.
     moves: bool,
+    /// Whether something moves by itself.
+    flows: bool,
+    /// Whether a clip of the object moves it.
+    follows: bool,
 }
 
 impl Clock {
+    /// Notes that a clip of the object is looked at.
+    pub(crate) fn follows(&mut self) {
+        self.follows = true;
+    }
+
+    /// Notes that something moves without keys.
+    pub(crate) fn flows(&mut self) {
+        (self.moves, self.flows) = (true, true);
+    }
+
     /// Notes a track.
     pub(crate) fn track<T: Interpolate + PartialEq>(&mut self, track: &Keyed<T>) {
         let Some(last) = track.last_key() else { return };

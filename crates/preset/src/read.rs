@@ -13,7 +13,6 @@ use std::ops::Range;
 pub(crate) use values::Within;
 
 use crate::error::{PresetError, PresetErrorKind, PresetErrors, escape, nearest, one_of};
-use crate::later;
 use crate::limits::Limits;
 use crate::places::Places;
 use crate::scope::{Named, Place};
@@ -266,14 +265,8 @@ impl<'s> Reader<'s> {
         self.within(key, |reader| read(reader, node.unwrap_some()))
     }
 
-    /// Closes a struct: fields of later versions may hold their defaults, all others do not exist.
-    pub(crate) fn finish(&mut self, mut fields: Fields<'_>) {
-        let owner = fields.owner;
-        for field in later::FIELDS.iter().filter(|field| field.owner == owner) {
-            if let Some(node) = fields.get(field.key) {
-                self.within(field.key, |reader| later::check(reader, field, node));
-            }
-        }
+    /// Closes a struct: fields that were not asked for do not exist.
+    pub(crate) fn finish(&mut self, fields: Fields<'_>) {
         let unknown = fields.entries.iter().filter(|entry| !fields.known.contains(&entry.key.text.as_str()));
         for entry in unknown.take(MOST_NOTED) {
             let help = nearest(&entry.key.text, fields.known.iter().copied())

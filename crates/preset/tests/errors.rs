@@ -214,31 +214,54 @@ fn unknown_names_get_the_nearest_valid_one() {
     check(&in_wire("radius: 1, «radius»: 2"), PresetErrorKind::Name, "stands here twice", None);
     check("Deform(wires: [«Wire»(radius: 1)])", PresetErrorKind::Name, "`Wire` needs a field `curve`", None);
     check("Deform(wires: [«(»radius: 1)])", PresetErrorKind::Name, "`Wire` needs a field `curve`", None);
-    check("«Wrinkle»()", PresetErrorKind::Name, "`Wrinkle` needs a field `pattern`", None);
     check("Deform(«wirse»: [])", PresetErrorKind::Name, "has no field `wirse`", Some("`wires`"));
 }
 
 #[test]
 fn what_comes_later_is_refused_by_name() {
     let message = "is not available in this version";
-    for (field, help) in [
-        ("motion: «Travelling(velocity: (1, 0))»", "motion: Anchored"),
-        ("branches: «(count: 2, depth: 0)»", "branches: (count: 0, depth: 0)"),
-        ("compression: «0.1»", "compression: None"),
-        ("drive: «Strain()»", "drive: None"),
-        ("refine: «Auto»", "refine: Off"),
-    ] {
-        check(&in_wrinkle(field), PresetErrorKind::Unavailable, message, Some(help));
-    }
     for text in ["«Stitch»(patches: [])", "«Ik»(chain: 1)", "Stack([«Ik»()])"] {
         check(text, PresetErrorKind::Unavailable, message, None);
     }
-    check(
-        "Wrinkle(pattern: «Tangential»)",
-        PresetErrorKind::Unavailable,
-        message,
-        Some("pattern: Drawn([curve, ..])"),
-    );
+}
+
+#[test]
+fn parts_of_wrinkles_are_refused_at_their_place() {
+    use PresetErrorKind::{Name, Value};
+    for (text, kind, message, help) in [
+        ("Wrinkle(pattern: «Ripples»)", Name, "no pattern `Ripples`", Some("`Ripple`")),
+        ("Wrinkle(pattern: «Radial(3)»)", Value, "stands alone", None),
+        ("Wrinkle(motion: «Traveling»(velocity: (1, 0)))", Name, "no motion", Some("`Travelling`")),
+        ("Wrinkle(motion: Travelling(velocity: «1»))", Value, "`(along, across)`", None),
+        ("Wrinkle(motion: Travelling(velocity: (1, 0), «speed»: 1))", Name, "no field `speed`", None),
+        ("Wrinkle(compression: «1»)", Value, "from 0 to less than 1", None),
+        ("Wrinkle(compression: «-0.1»)", Value, "from 0 to less than 1", None),
+        ("Wrinkle(drive: «Stain»())", Name, "no drive", Some("`Strain`")),
+        ("Wrinkle(drive: Strain(from: 0.3, to: «0.2»))", Value, "greater than `from`", None),
+        ("Wrinkle(drive: Strain(radius: «0»))", Value, "greater than 0", None),
+        ("Wrinkle(drive: Strain(«form»: 0.1))", Name, "no field `form`", Some("`from`")),
+        ("Wrinkle(refine: «Fine»)", Name, "no refine", None),
+        ("Wrinkle(pattern: Radial, branches: («cuont»: 3))", Name, "no field `cuont`", Some("`count`")),
+        ("Wrinkle(creases: «0»)", Value, "at least 1", None),
+        ("Wrinkle(creases: «1000000»)", Value, "are more than", None),
+        ("Wrinkle(pattern: Radial, branches: «(count: 9, depth: 9)»)", Value, "are more than", None),
+        (
+            "Wrinkle(motion: «Travelling(velocity: (1, 0))», drive: Strain())",
+            Value,
+            "stay where they are",
+            None,
+        ),
+        (
+            "Wrinkle(pattern: Drawn([Polyline(«Keys([(0, [(0,0,0)]), (1, [])])»)]))",
+            Value,
+            "another number of points",
+            None,
+        ),
+        ("Wrinkle(size: (1, «0»))", Value, "greater than 0", None),
+        ("Wrinkle(direction: «(0, 0, 0)»)", Value, "must not be (0, 0, 0)", None),
+    ] {
+        check(text, kind, message, help);
+    }
     for field in [
         "motion: Anchored",
         "branches: (count: 0, depth: 0)",

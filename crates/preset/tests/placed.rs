@@ -170,7 +170,7 @@ fn placing_has_closed_forms() {
     assert_eq!((wrinkle.thickness.at(0.5), wrinkle.intensity.at(0.5)), (14.5 * 1.5, 14.5 * 0.125));
     let points = vec![[1.0, 16.5, 3.0], [15.5, 16.5, 3.0], [30.0, 16.5, 3.0]];
     let Pattern::Drawn(curves) = &wrinkle.pattern else { panic!() };
-    assert_eq!(curves[1], Curve::polyline(points).unwrap());
+    assert_eq!(curves[1].curve, Curve::polyline(points).unwrap());
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn bad_lengths_of_a_program_stay_bad() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.0] {
         let wrinkle = Wrinkle { thickness: Keyed::Constant(bad), ..Wrinkle::drawn(Vec::new()) };
         let action = Action::Wrinkle(Box::new(wrinkle));
-        let written = Effect { action, only: None, mask: None, units: Units::Bounds };
+        let written = Effect { action, only: None, mask: None, units: Units::Bounds, refine: false };
         let Action::Wrinkle(placed) = written.placed(&frame).action else { panic!() };
         let thickness = placed.thickness.at(0.0);
         assert!(!(thickness > 0.0 && thickness.is_finite()), "{bad} became {thickness}");

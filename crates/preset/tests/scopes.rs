@@ -129,6 +129,7 @@ fn a_program_writes_effects_as_a_preset_does() {
         ]))),
         only: Some(Only::Joints(vec![Named::new("arm")])),
         mask: Some(Mask::Image { file: file.clone(), channel: Channel::B }),
+        refine: false,
         units: Units::Bounds,
     };
     let [_, text] = effects("only: Joints([\"arm\"]), mask: Image(\"m.png\", B), units: Bounds");

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use wirework_preset::{Limits, PresetErrorKind, TEMPLATES, TemplateError, parse, template};
 
 /// Fields that a template shows with an example in place of their default.
-const EXAMPLES: [&str; 9] =
-    ["object", "wires", "curve", "points", "pose", "pattern", "locators", "domains", "propagation"];
+const EXAMPLES: [&str; 10] =
+    ["object", "wires", "curve", "points", "pose", "pattern", "locators", "domains", "propagation", "cells"];
 
 /// Byte offsets after the `(` of every struct with named fields, found by asking: a field that exists nowhere is
 /// named in an error, together with all fields that do.

@@ -7,7 +7,8 @@ use crate::random::Random;
 use crate::{closest, point};
 use glam::{DQuat, DVec3};
 use wirework_core::{
-    Bend, Blend, Closest, Correspondence, Curve, CurveKind, Density, Interpolation, Locator, Profile, Wire,
+    Bend, Blend, Closest, Correspondence, Curve, CurveKind, Density, Interpolation, Locator, Mask, Profile,
+    Wire,
 };
 
 /// Wires, their blend, and points to deform.
@@ -56,8 +57,8 @@ impl Rig {
     }
 
     /// The masks as a binding takes them.
-    pub fn masks(&self) -> Vec<Option<&[f32]>> {
-        self.masks.iter().map(Option::as_deref).collect()
+    pub fn masks(&self) -> Vec<Option<Mask<'_>>> {
+        self.masks.iter().map(|mask| mask.as_deref().map(Mask::Dense)).collect()
     }
 
     /// The factor of every wire at one point.

@@ -17,8 +17,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adjacency;
 mod bounds;
+mod distinct;
+mod geodesic;
 mod mesh;
+mod near;
 mod nearest;
 mod normals;
 mod patch;
@@ -31,7 +35,10 @@ mod vector;
 mod vertex_mesh;
 
 pub use bounds::Bounds;
+pub use distinct::Distinct;
+pub use geodesic::{Step, Stop, Terrain, Walker};
 pub use mesh::{Corner, Mesh, MeshError};
+pub use near::{Near, NearBuffer};
 pub use nearest::{Nearest, NearestError, SurfacePoint};
 pub use normals::{Normals, NormalsBuffer, NormalsError};
 pub use patch::{Patch, PatchError, Tessellation};

@@ -66,18 +66,21 @@ pub enum NearestError {
     },
 }
 
+/// Refuses a surface without triangles, or with a vertex that is missing or not finite.
+pub(crate) fn check(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), NearestError> {
+    for (triangle, corners) in triangles.iter().enumerate() {
+        let bad = |v: &&u32| positions.get(**v as usize).is_none_or(|p| p.iter().any(|c| !c.is_finite()));
+        if let Some(&vertex) = corners.iter().find(bad) {
+            return Err(NearestError::Vertex { triangle, vertex });
+        }
+    }
+    if triangles.is_empty() { Err(NearestError::NoFaces) } else { Ok(()) }
+}
+
 impl Nearest {
     /// Builds the tree. The triangles may be without area.
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, NearestError> {
-        for (triangle, corners) in triangles.iter().enumerate() {
-            let bad = |v: &&u32| positions.get(**v as usize).is_none_or(|p| p.iter().any(|c| !c.is_finite()));
-            if let Some(&vertex) = corners.iter().find(bad) {
-                return Err(NearestError::Vertex { triangle, vertex });
-            }
-        }
-        if triangles.is_empty() {
-            return Err(NearestError::NoFaces);
-        }
+        check(positions, triangles)?;
         // A third of each corner, so that the sum stays in range.
         let center = |t: &[u32; 3]| t.iter().map(|&v| Vec3::from(positions[v as usize]) / 3.0).sum::<Vec3>();
         let mut items: Vec<(Vec3, u32)> = triangles.iter().zip(0..).map(|(t, i)| (center(t), i)).collect();

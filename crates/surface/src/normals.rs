@@ -13,12 +13,11 @@
 //! Work is a pass over the faces, then a gather over the groups in a fixed order, then a pass over the
 //! vertices; each result is written by one task alone, so any number of threads gives the same bits.
 
-use std::collections::HashMap;
-
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use thiserror::Error;
 
+use crate::distinct::Distinct;
 use crate::smooth::angles;
 use crate::vector::wide;
 
@@ -185,15 +184,12 @@ fn face_direction([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
 
 /// The group of each vertex, numbered as they first occur, and how many there are.
 fn group(positions: &[[f32; 3]], normals: &[[f32; 3]]) -> (Vec<u32>, usize) {
-    let mut seen = HashMap::with_capacity(positions.len());
-    // Adding 0 makes −0 equal to 0.
-    let bits = |v: &[f32; 3]| v.map(|c| (c + 0.0).to_bits());
-    let number = |(p, n)| {
-        let next = seen.len() as u32;
-        *seen.entry((bits(p), bits(n))).or_insert(next)
+    let row = |i: usize| {
+        let ([x, y, z], [u, v, w]) = (positions[i], normals[i]);
+        [x, y, z, u, v, w]
     };
-    let group = positions.iter().zip(normals).map(number).collect();
-    (group, seen.len())
+    let Distinct { of, first } = Distinct::new(positions.len(), row);
+    (of, first.len())
 }
 
 /// The faces round each group, by rising face, with their angles at rest.
@@ -212,11 +208,13 @@ fn fans(
     }
     let mut next = starts.clone();
     let mut fans = vec![(0, 0.0); triangles.len() * 3];
-    for (face, triangle) in triangles.iter().enumerate() {
-        let weights = angles(triangle.map(|i| wide(positions[i as usize])));
+    let at_rest =
+        |triangle: &[u32; 3]| angles(triangle.map(|i| wide(positions[i as usize]))).map(|a| a as f32);
+    let weights: Vec<[f32; 3]> = triangles.par_iter().with_min_len(CHUNK).map(at_rest).collect();
+    for (face, (triangle, weights)) in triangles.iter().zip(weights).enumerate() {
         for (&vertex, weight) in triangle.iter().zip(weights) {
             let slot = &mut next[group[vertex as usize] as usize];
-            fans[*slot as usize] = (face as u32, weight as f32);
+            fans[*slot as usize] = (face as u32, weight);
             *slot += 1;
         }
     }

@@ -2,10 +2,9 @@
 //!
 //! The angle makes the result independent of how the surface is cut into triangles.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 
+use crate::distinct::Distinct;
 use crate::vector::wide;
 
 /// Where the mean of the unit normals round a vertex is shorter than this there is no outside: both sides of a
@@ -32,16 +31,8 @@ pub(crate) fn angles(corners: [DVec3; 3]) -> [f64; 3] {
 /// Vertices at equal positions share one normal: the surface is taken as closed across texture seams and hard
 /// edges. Triangles with an index out of range are passed over.
 pub fn smooth_normals(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
-    let mut welded = HashMap::with_capacity(positions.len());
-    // Adding 0 makes −0 equal to 0.
-    let group: Vec<usize> = positions
-        .iter()
-        .map(|p| {
-            let next = welded.len();
-            *welded.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(next)
-        })
-        .collect();
-    let mut sums = vec![(DVec3::ZERO, 0.0); welded.len()];
+    let Distinct { of: group, first } = Distinct::new(positions.len(), |i| positions[i]);
+    let mut sums = vec![(DVec3::ZERO, 0.0); first.len()];
     for triangle in triangles {
         if triangle.iter().any(|&i| i as usize >= positions.len()) {
             continue;
@@ -49,16 +40,28 @@ pub fn smooth_normals(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f3
         let corners = triangle.map(|i| wide(positions[i as usize]));
         let Some(normal) = face_normal(corners) else { continue };
         for (angle, &vertex) in angles(corners).iter().zip(triangle) {
-            let (sum, weight) = &mut sums[group[vertex as usize]];
+            let (sum, weight) = &mut sums[group[vertex as usize] as usize];
             *sum += normal * *angle;
             *weight += angle;
         }
     }
-    let normal = |&g: &usize| {
-        let (sum, weight) = sums[g];
+    let normal = |&g: &u32| {
+        let (sum, weight) = sums[g as usize];
         if sum.length() > NO_SIDE * weight { sum.normalize_or_zero().as_vec3().to_array() } else { [0.0; 3] }
     };
     group.iter().map(normal).collect()
+}
+
+/// The smooth unit normal where triangles meet in one of their corners, each with which corner it is; zero where there is none.
+pub(crate) fn fan_normal(fan: impl Iterator<Item = ([DVec3; 3], usize)>) -> DVec3 {
+    let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+    for (corners, corner) in fan {
+        let Some(normal) = face_normal(corners) else { continue };
+        let angle = angles(corners)[corner];
+        sum += normal * angle;
+        weight += angle;
+    }
+    if sum.length() > NO_SIDE * weight { sum.normalize_or_zero() } else { DVec3::ZERO }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use serde_json::json;
 use wirework_asset::{Gltf, Limits};
 use wirework_preset::{Preset, PresetError, PresetErrorKind, parse};
 
-use super::{Masks, mask_files, masks};
+use super::{EffectMasks, Masks, Near, WireMask, mask_files, masks};
 use crate::{JobError, Subject};
 
 #[path = "../../asset/tests/make/mod.rs"]
@@ -75,6 +75,20 @@ fn pair() -> Doc {
     doc
 }
 
+fn borrowed<'a>(masks: &'a [WireMask<'_>]) -> Vec<Option<wirework_core::Mask<'a>>> {
+    masks.iter().map(WireMask::borrow).collect()
+}
+
+#[test]
+fn creases_are_masked_by_what_is_near_and_by_the_effect() {
+    let near = |factors: &[f32]| Near { vertices: vec![1, 3], factors: factors.to_vec() };
+    let all = EffectMasks { all: Some(vec![0.5, 0.25, 1.0, 0.0].into()), wires: Vec::new() };
+    let two = [near(&[]), near(&[0.5, 1.0])];
+    let sparse = |factors| Some(wirework_core::Mask::Sparse { points: &[1, 3], factors });
+    assert_eq!(borrowed(&all.of_wires(&two, 2)), [sparse(&[0.25, 0.0]), sparse(&[0.125, 0.0])]);
+    assert_eq!(borrowed(&EffectMasks::default().of_wires(&two, 2)), [sparse(&[]), sparse(&[0.5, 1.0])]);
+}
+
 #[test]
 fn a_point_moves_only_where_all_its_vertices_may() {
     let subject = gltf(&pair());
@@ -97,7 +111,7 @@ fn a_point_moves_only_where_all_its_vertices_may() {
 fn all_that_is_named_and_moves_needs_no_mask() {
     let subject = gltf(&pair());
     let found = try_all(&subject, &deform("only: Nodes([\"left\", \"1\"]),", ""), Path::new("")).unwrap();
-    assert_eq!(found.of_effects[0].of_wires(2), [None, None]);
+    assert_eq!(borrowed(&found.of_effects[0].of_wires(&[], 2)), [None, None]);
     assert!(found.of_effects[0].of_effect().is_none());
 }
 
@@ -148,8 +162,10 @@ fn masks_of_wires_and_of_their_effect_are_multiplied() {
     let (a, b) = ([0.75, 1.0, 0.0], [0.25, 0.0, 1.0]);
     let both = [0.75 * 0.25, 0.0, 0.0];
     assert_eq!(first.of_effect(), Some(&a[..]));
-    assert_eq!(first.of_wires(3), [Some(&a[..]), Some(&both[..]), Some(&both[..])]);
-    assert_eq!((second.of_effect(), second.of_wires(2)), (None, vec![Some(&b[..]), None]));
+    let dense = |factors| Some(wirework_core::Mask::Dense(factors));
+    assert_eq!(borrowed(&first.of_wires(&[], 3)), [dense(&a[..]), dense(&both[..]), dense(&both[..])]);
+    assert_eq!(second.of_effect(), None);
+    assert_eq!(borrowed(&second.of_wires(&[], 2)), [dense(&b[..]), None]);
     let lists: Vec<_> = first.wires.iter().flatten().collect();
     assert!(Arc::ptr_eq(lists[1], lists[2]), "what is equal is there once");
 }
@@ -167,8 +183,9 @@ fn a_wire_may_have_a_painted_mask_of_its_own() {
     let found = try_all(&gltf(&doc), &preset(&text), Path::new("")).unwrap();
     let green = [0.25, 0.5, 1.0];
     let both = [0.25 * 0.5 * 0.75, 0.5 * 0.75, 0.0];
-    let wires = found.of_effects[0].of_wires(3);
-    assert_eq!(wires, [Some(&green[..]), Some(&both[..]), Some(&[0.0; 3][..])]);
+    let wires = found.of_effects[0].of_wires(&[], 3);
+    let dense = |factors| Some(wirework_core::Mask::Dense(factors));
+    assert_eq!(borrowed(&wires), [dense(&green[..]), dense(&both[..]), dense(&[0.0; 3][..])]);
 }
 
 #[test]

@@ -119,7 +119,7 @@ impl Textures<'_> {
             return Ok(known);
         }
         let image = match self.dress.obj.texture(texture, self.limits) {
-            Ok(bytes) => Some(gltf.append_image(&texture.file.display().to_string(), &bytes)?),
+            Ok(bytes) => Some(gltf.append_image(&texture.file.display().to_string(), bytes)?),
             Err(error) => {
                 let found = format!("found {}, expected {}", printable(&error.found), error.expected);
                 self.warnings.push(format!("{file}: the material {name:?}: {found}; it is left out [image]"));

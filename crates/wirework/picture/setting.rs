@@ -13,6 +13,7 @@ use crate::picture::dress::Dress;
 use crate::picture::show::Show;
 use crate::picture::{PictureJob, Shown};
 use crate::source::{Source, parts, refused};
+use crate::strain::sense;
 use crate::subject::Origin;
 use crate::{JobError, Model, Subject};
 
@@ -97,15 +98,23 @@ impl Setting {
 
     /// Binds the effect and prepares the clip.
     pub(crate) fn show<'a>(&'a self, job: &PictureJob<'a>) -> Result<Show<'a>, JobError> {
-        let motion = match job.effects() {
+        let mut motion = match job.effects() {
             [] => None,
             effects => Some(self.basis.bind(effects, self.masks.clone())?),
         };
         let clips = self.gltf.clip_names().len();
         let clip = match job.clip {
             Some(wanted) => Some(find_clip(&self.gltf, wanted)?),
-            None => (motion.is_none() && clips > 0).then_some(0),
+            None => {
+                let driven = motion.as_ref().is_none_or(|motion| motion.evaluation.is_driven());
+                (driven && clips > 0).then_some(0)
+            }
         };
+        if let (Some(motion), Some(clip)) = (&mut motion, clip)
+            && motion.evaluation.is_driven()
+        {
+            sense(motion, &self.gltf, &self.rest, &self.point_of, clip)?;
+        }
         Show::new(self, motion, clip, job, self.warnings.clone())
     }
 

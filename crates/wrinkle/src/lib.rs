@@ -22,12 +22,28 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod compression;
 mod crease;
+mod creases;
 mod drawn;
 mod fit;
+mod ground;
 mod height;
+mod pattern;
+mod radial;
 mod random;
+mod ripple;
 mod settings;
+mod strain;
+mod tangential;
+mod trace;
+mod travel;
 
-pub use crease::{Creases, creases};
-pub use settings::{Pattern, SurfaceView, Wrinkle, WrinkleError};
+pub use creases::{Creases, creases};
+pub use settings::{
+    Branches, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning,
+};
+pub use strain::Strain;
+
+#[cfg(test)]
+mod patterns_tests;

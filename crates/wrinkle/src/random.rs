@@ -7,6 +7,7 @@ pub(crate) enum Jitter {
     Height = 2,
     Start = 3,
     End = 4,
+    Askew = 5,
 }
 
 /// A number in `[0, 1)` for crease `index`: the splitmix64 generator (Steele, Lea and Flood 2014) as a hash.

@@ -4,7 +4,12 @@ use thiserror::Error;
 use wirework_core::{Blend, Curve, Keyed};
 use wirework_surface::NearestError;
 
-/// The settings of a wrinkle. Lengths are in the unit of the surface. [`Wrinkle::drawn`] has the defaults.
+use crate::Strain;
+
+/// Creases of a pattern at most, branches included: each has 8 spans at least.
+pub(crate) const MOST_CREASES: usize = crate::creases::MOST_SPANS / 8;
+
+/// The settings of a wrinkle. Lengths are in the unit of the surface. [`Wrinkle::new`] has the defaults.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wrinkle {
     /// Where the creases run.
@@ -19,29 +24,109 @@ pub struct Wrinkle {
     pub resistance: f32,
     /// How far the front has come, as a fraction of each crease: 0 nothing moves, 1 all of it stands. Default 1.
     pub propagation: Keyed<f32>,
-    /// 0 as given, 1 the most jitter: each crease is shifted sideways by up to `thickness`, loses up to half of its
-    /// height, and up to a quarter of its length at either end. Default 0.
+    /// 0 as given, 1 the most jitter: each crease is shifted sideways by up to `thickness` (drawn) or two fifths of the
+    /// distance to the next, loses up to half of its height, and up to a quarter of its length at either end. Default 0.
     pub randomness: f32,
     /// Of the jitter: the same seed gives the same creases. Default 0.
     pub seed: u64,
+    /// Whether the creases move over the surface. Default [`Motion::Anchored`].
+    pub motion: Motion,
+    /// The part of its length that the folded cloth has lost, from 0 to below 1: heights are such that the folded cross-section
+    /// is as long as it was before. Takes the place of `intensity`. Default none.
+    pub compression: Option<f32>,
+    /// Compression of the surface as what raises the creases: they have their height where and when the surface is pushed
+    /// together across them. Default none: they stand at all times.
+    pub drive: Option<Strain>,
     /// How creases that reach the same point become one displacement. Default that of wires.
     pub blend: Blend,
 }
 
-/// Where creases run.
+/// Where creases run. All but drawn ones are laid out on the surface, by geodesics from a centre, and wrap round it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Pattern {
     /// Along given curves, dropped onto the surface by nearest point. The origin of each is its first end; a closed
     /// curve spreads from there both ways.
-    Drawn(Vec<Curve>),
+    Drawn(Vec<Drawn>),
+    /// Parallel lines along the first axis, equally spread over the extent across; the origin of each is its end behind.
+    Tangential(Layout),
+    /// Lines from the centre out to half the extent along, the first along the first axis, with branches; their origin is the
+    /// centre. The extent across is not used.
+    Radial(Layout, Branches),
+    /// Rings round the centre out to half the extent along; their origin is the centre. The extent across is not used.
+    Ripple(Layout),
+}
+
+/// A curve that is dropped onto the surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawn {
+    /// The curve at 0 s.
+    pub curve: Curve,
+    /// Its control points, as many, where they move.
+    pub points: Option<Keyed<Vec<[f32; 3]>>>,
+}
+
+/// Where a pattern lies and how large it is, measured on the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout {
+    /// Its middle: the point of the surface nearest to this.
+    pub center: [f32; 3],
+    /// Its first axis, laid into the surface; the second is normal × first.
+    pub direction: [f32; 3],
+    /// Extent along the first axis and across it, > 0.
+    pub size: [f32; 2],
+    /// Number of creases, at least 1.
+    pub creases: u32,
+}
+
+/// Side branches of radial creases.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Branches {
+    /// Branches of a crease, and of each branch that has any.
+    pub count: u32,
+    /// How often branches branch; 0 none.
+    pub depth: u32,
+}
+
+/// Whether creases move over the surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Motion {
+    /// They stay.
+    #[default]
+    Anchored,
+    /// Their references slide over the surface with them. Folds stop at a border.
+    Travelling {
+        /// Along and across, in units a second; of a ripple the first is outwards, and rings that leave come in again at the
+        /// centre. Radial creases move with their centre, drawn ones each along itself and across.
+        velocity: [f32; 2],
+    },
+}
+
+impl From<Curve> for Drawn {
+    fn from(curve: Curve) -> Self {
+        Self { curve, points: None }
+    }
+}
+
+impl Drawn {
+    /// The curve at a moment.
+    pub(crate) fn at(&self, seconds: f64) -> Curve {
+        let posed = self.points.as_ref().and_then(|points| self.curve.posed(points.at(seconds)).ok());
+        posed.unwrap_or_else(|| self.curve.clone())
+    }
 }
 
 impl Wrinkle {
     /// Creases along `curves`, everything else as by default.
     pub fn drawn(curves: Vec<Curve>) -> Self {
+        Self::new(Pattern::Drawn(curves.into_iter().map(Drawn::from).collect()))
+    }
+
+    /// A pattern, everything else as by default.
+    pub fn new(pattern: Pattern) -> Self {
         Self {
-            pattern: Pattern::Drawn(curves),
+            pattern,
             thickness: Keyed::Constant(0.08),
             intensity: Keyed::Constant(0.05),
             stiffness: 0.3,
@@ -49,11 +134,15 @@ impl Wrinkle {
             propagation: Keyed::Constant(1.0),
             randomness: 0.0,
             seed: 0,
+            motion: Motion::default(),
+            compression: None,
+            drive: None,
             blend: Blend::default(),
         }
     }
 
-    pub(crate) fn check(&self) -> Result<(), WrinkleError> {
+    /// Refuses values out of range, patterns without creases and those with too many.
+    pub fn check(&self) -> Result<(), WrinkleError> {
         for &found in self.thickness.values() {
             if !(found > 0.0 && found.is_finite()) {
                 return Err(WrinkleError::Value { field: "thickness", expected: "greater than 0", found });
@@ -72,13 +161,91 @@ impl Wrinkle {
                 return Err(WrinkleError::Value { field, expected: "between 0 and 1", found });
             }
         }
-        let Pattern::Drawn(curves) = &self.pattern;
-        if curves.is_empty() { Err(WrinkleError::NoCurves) } else { Ok(()) }
+        if let Some(found) = self.compression.filter(|c| !(0.0..1.0).contains(c)) {
+            let expected = "at least 0 and less than 1";
+            return Err(WrinkleError::Value { field: "compression", expected, found });
+        }
+        if let Motion::Travelling { velocity } = self.motion
+            && let Some(found) = velocity.into_iter().find(|v| !v.is_finite())
+        {
+            return Err(WrinkleError::Value { field: "velocity", expected: "finite", found });
+        }
+        if let Some(strain) = &self.drive {
+            strain.check()?;
+            if self.moves() {
+                return Err(WrinkleError::DrivenMoves);
+            }
+        }
+        self.check_pattern()
+    }
+
+    fn check_pattern(&self) -> Result<(), WrinkleError> {
+        let layout = match &self.pattern {
+            Pattern::Drawn(curves) if curves.is_empty() => return Err(WrinkleError::NoCurves),
+            Pattern::Drawn(_) => return Ok(()),
+            Pattern::Tangential(layout) | Pattern::Radial(layout, _) | Pattern::Ripple(layout) => layout,
+        };
+        if layout.creases == 0 {
+            return Err(WrinkleError::NoCreases);
+        }
+        for found in layout.size {
+            if !(found > 0.0 && found.is_finite()) {
+                return Err(WrinkleError::Value { field: "size", expected: "greater than 0", found });
+            }
+        }
+        let creases = self.crease_count();
+        if creases > MOST_CREASES {
+            return Err(WrinkleError::TooMany { creases });
+        }
+        Ok(())
+    }
+
+    /// How many creases the pattern has, branches included.
+    pub fn crease_count(&self) -> usize {
+        match &self.pattern {
+            Pattern::Drawn(curves) => curves.len(),
+            Pattern::Tangential(layout) | Pattern::Ripple(layout) => layout.creases as usize,
+            Pattern::Radial(layout, branches) => {
+                let mut each = 1_usize;
+                for _ in 0..branches.depth.min(MOST_CREASES as u32) {
+                    if branches.count == 0 || each > MOST_CREASES {
+                        break;
+                    }
+                    each = each.saturating_mul(branches.count as usize).saturating_add(1);
+                }
+                each.saturating_mul(layout.creases as usize)
+            }
+        }
+    }
+
+    /// The length of each crease where the surface has room for it.
+    pub(crate) fn lengths(&self) -> Vec<f64> {
+        let count = self.crease_count();
+        match &self.pattern {
+            Pattern::Drawn(curves) => curves.iter().map(|drawn| f64::from(drawn.curve.length())).collect(),
+            Pattern::Tangential(layout) => vec![f64::from(layout.size[0]); count],
+            Pattern::Radial(layout, _) => vec![f64::from(layout.size[0]) / 2.0; count],
+            Pattern::Ripple(layout) => {
+                let outer = f64::from(layout.size[0]) * std::f64::consts::PI;
+                (1..=count).map(|ring| outer * ring as f64 / count as f64).collect()
+            }
+        }
+    }
+
+    /// Whether the creases move over the surface.
+    pub fn moves(&self) -> bool {
+        let keyed =
+            |drawn: &Drawn| drawn.points.as_ref().is_some_and(|points| points.values().nth(1).is_some());
+        let travels = match self.motion {
+            Motion::Travelling { velocity } => velocity != [0.0; 2],
+            Motion::Anchored => false,
+        };
+        travels || matches!(&self.pattern, Pattern::Drawn(curves) if curves.iter().any(keyed))
     }
 
     /// Whether the height varies along a crease at any time.
     pub(crate) fn varies(&self) -> bool {
-        self.resistance > 0.0 || self.propagation.values().any(|&p| p < 1.0)
+        self.resistance > 0.0 || self.drive.is_some() || self.propagation.values().any(|&p| p < 1.0)
     }
 }
 
@@ -112,7 +279,7 @@ pub enum WrinkleError {
     #[error(
         "creases of thickness {thickness} need {needed} spans in all, the most are {}: use a larger `thickness` or \
          fewer curves",
-        crate::crease::MOST_SPANS
+        crate::creases::MOST_SPANS
     )]
     TooFine {
         /// The least thickness.
@@ -120,6 +287,32 @@ pub enum WrinkleError {
         /// Spans they would have.
         needed: usize,
     },
+    /// There are so many creases that laying them would take for ever.
+    #[error("{creases} creases, branches included, are more than {MOST_CREASES}")]
+    TooMany {
+        /// Creases the pattern would have.
+        creases: usize,
+    },
+    /// What compression raises is read where creases lie, and these move.
+    #[error("creases that `drive` raises stay where they are: they cannot travel or be keyed")]
+    DrivenMoves,
+    /// The pattern has no creases.
+    #[error("a pattern needs at least one crease")]
+    NoCreases,
+    /// The centre of the pattern is farther off the surface than the pattern is large: it was made for something else.
+    #[error("the center is {distance} off the surface, more than the size of the pattern, {size}")]
+    CenterOff {
+        /// Its distance from the surface.
+        distance: f32,
+        /// The pattern's larger extent.
+        size: f32,
+    },
+    /// There is no outside at the centre of the pattern: only triangles without area.
+    #[error("the surface has no normal at the center of the pattern")]
+    NoNormalAtCenter,
+    /// No crease of the pattern lies on the surface.
+    #[error("no crease of the pattern has room on the surface; it ends before them")]
+    NoRoom,
     /// The pattern has no curves.
     #[error("a drawn pattern needs at least one curve")]
     NoCurves,
@@ -140,9 +333,60 @@ pub enum WrinkleError {
         curve: usize,
     },
     /// There is no outside where a crease should rise: only triangles without area.
-    #[error("the surface has no normal where curve {curve} lies")]
+    #[error("the surface has no normal where crease {curve} lies")]
     NoNormal {
-        /// Which curve, from 0.
+        /// Which crease, from 0.
         curve: usize,
+    },
+}
+
+/// What is less than was asked for.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum WrinkleWarning {
+    /// The first axis has nothing along the surface.
+    #[error(
+        "`direction` stands upright on the surface at the center; the pattern lies along a coordinate axis [upright]"
+    )]
+    Upright,
+    /// The pattern is larger than the surface.
+    #[error("{outside} of {creases} creases lie beyond the surface and are left out [outside-surface]")]
+    Outside {
+        /// Creases that are left out.
+        outside: usize,
+        /// Creases of the pattern.
+        creases: usize,
+    },
+    /// The pattern is larger than the surface.
+    #[error("{ends} creases end early, at a border of the surface [border]")]
+    Border {
+        /// How many ends.
+        ends: usize,
+    },
+    /// The surface is not a manifold where creases run.
+    #[error(
+        "{ends} creases end early, at an edge where the surface is not a manifold (more than two faces, or two that disagree about the outside) [non-manifold]"
+    )]
+    NonManifold {
+        /// How many ends.
+        ends: usize,
+    },
+    /// The mesh is too coarse for the folds.
+    #[error(
+        "edges of {edge} are longer than a third of the thickness {thickness}: folds come out jagged; use a finer mesh, a larger `thickness`, or `refine: Auto` [coarse]"
+    )]
+    Coarse {
+        /// The longest edge that a crease reaches.
+        edge: f32,
+        /// The least thickness.
+        thickness: f32,
+    },
+    /// Faces that hang together with nothing a crease lies on are near it.
+    #[error(
+        "{points} vertices within reach of a crease belong to parts that do not hang together with the one it lies on; they stay where they are [apart]"
+    )]
+    Apart {
+        /// How many.
+        points: usize,
     },
 }

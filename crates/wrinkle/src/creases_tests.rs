@@ -1,6 +1,8 @@
 use glam::DVec3;
 use wirework_surface::{Mesh, NearestError, cuboid, grid, sphere, tube};
 
+use wirework_core::{Curve, CurveKind};
+
 use super::*;
 
 fn lay(mesh: &Mesh, settings: &Wrinkle) -> Result<Creases, WrinkleError> {
@@ -344,8 +346,12 @@ fn moved_creases_are_those_of_the_rest_moved() {
     let step = DVec3::new(30.0, -20.0, 5.0);
     let positions: Vec<[f32; 3]> =
         mesh.positions.iter().map(|&p| (turn(wide(p)) + step).as_vec3().to_array()).collect();
-    let moved = laid.moved(&SurfaceView { positions: &positions, triangles: &triangles }).unwrap();
-    for (before, after) in wires(&laid, 0.0).iter().zip(&wires(&moved, 0.0)) {
+    let moved = |positions: &[[f32; 3]], triangles: &[[u32; 3]]| {
+        let mut moved = laid.clone();
+        moved.at(0.0, Some(&SurfaceView { positions, triangles })).map(|()| moved)
+    };
+    let there = moved(&positions, &triangles).unwrap();
+    for (before, after) in wires(&laid, 0.0).iter().zip(&wires(&there, 0.0)) {
         assert_eq!(before.reference.points().len(), after.reference.points().len());
         for ((r, rise), (moved_r, moved_rise)) in along(before).into_iter().zip(along(after)) {
             assert!(moved_r.distance(turn(r) + step) < 1e-5, "{moved_r} for {r}");
@@ -354,10 +360,9 @@ fn moved_creases_are_those_of_the_rest_moved() {
     }
     let mut broken = positions.clone();
     broken.fill([f32::NAN; 3]);
-    let broken = laid.moved(&SurfaceView { positions: &broken, triangles: &triangles });
+    let broken = moved(&broken, &triangles);
     assert!(matches!(broken, Err(WrinkleError::Surface(NearestError::Vertex { .. }))));
-    let flat =
-        laid.moved(&SurfaceView { positions: &vec![[0.0; 3]; positions.len()], triangles: &triangles });
+    let flat = moved(&vec![[0.0; 3]; positions.len()], &triangles);
     assert!(matches!(flat, Err(WrinkleError::NoNormal { curve: 0 })));
-    assert!(laid.moved(&SurfaceView { positions: &positions, triangles: &[] }).is_err());
+    assert!(moved(&positions, &[]).is_err());
 }

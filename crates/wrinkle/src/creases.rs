@@ -1,0 +1,302 @@
+//! All creases of a wrinkle, at any moment.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use wirework_core::{Blend, Density, Keyed, Wire};
+use wirework_surface::{Near, NearBuffer, Step};
+
+use crate::compression::Crests;
+use crate::crease::{Crease, Fineness, SPANS, SPANS_A_THICKNESS};
+use crate::ground::{Ground, wide};
+use crate::height::{MIN_SPANS_VARYING, height};
+use crate::pattern::{Lines, Prepared, lines, prepare};
+use crate::strain::{Gauges, Record};
+use crate::trace::position;
+use crate::{SurfaceView, Wrinkle, WrinkleError, WrinkleWarning};
+
+/// Spans of all creases together: seconds of work and some 30 MB of wires. More is a thickness by mistake.
+pub(crate) const MOST_SPANS: usize = 1 << 18;
+/// What lies near a crease is sought a little farther than it reaches, since `R` leaves its line a little.
+const NEAR: f64 = 1.06;
+/// Edges across a fold longer than this part of its thickness make it jagged.
+const COARSE: f64 = 1.0 / 3.0;
+
+/// The creases of a wrinkle on a surface, ready for any moment.
+#[derive(Clone, Debug)]
+pub struct Creases {
+    ground: Arc<Ground>,
+    prepared: Arc<Prepared>,
+    settings: Arc<Wrinkle>,
+    density: Density,
+    /// The least it ever is, so that a keyed thickness does not move the references.
+    thickness: f32,
+    crests: Option<Crests>,
+    gauges: Option<Gauges>,
+    record: Record,
+    list: Vec<Crease>,
+    warnings: Vec<WrinkleWarning>,
+}
+
+/// Lays the creases of a wrinkle on a surface, as they are at 0 s.
+///
+/// # Errors
+///
+/// A setting is out of range, the surface has no faces, the pattern does not fit it, or following it would take for ever.
+pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases, WrinkleError> {
+    settings.check()?;
+    let ground = Ground::new(surface)?;
+    let least = |values: &Keyed<f32>| values.values().copied().fold(f32::INFINITY, f32::min);
+    let thickness = least(&settings.thickness);
+    check_fineness(thickness, settings.lengths().into_iter())?;
+    let prepared = prepare(&ground, settings, thickness)?;
+    let lines = lines(&ground, &prepared, settings, 0.0, thickness)?;
+    // 1, 2, 4: half of the height lies at 0.29, 0.54 and 0.74 of the thickness.
+    let density = Density::Fold(4.0_f32.powf(settings.stiffness));
+    let mut creases = Creases {
+        ground: Arc::new(ground),
+        prepared: Arc::new(prepared),
+        settings: Arc::new(settings.clone()),
+        crests: None,
+        gauges: None,
+        record: Record::default(),
+        density,
+        thickness,
+        list: Vec::new(),
+        warnings: Vec::new(),
+    };
+    creases.list = creases.lay(&lines)?;
+    creases.crests = creases.crests();
+    creases.gauges = creases.gauges();
+    creases.warnings = lines.warnings;
+    creases.warnings.extend(creases.coarse());
+    creases.warnings.extend(creases.apart(surface));
+    Ok(creases)
+}
+
+/// Refuses creases of such lengths that following them all would take for ever.
+fn check_fineness(thickness: f32, lengths: impl Iterator<Item = f64>) -> Result<(), WrinkleError> {
+    let spans = |length: f64| (length * SPANS_A_THICKNESS / f64::from(thickness)).ceil() as usize;
+    let needed = lengths.map(|length| spans(length).clamp(*SPANS.start(), *SPANS.end())).sum();
+    if needed > MOST_SPANS { Err(WrinkleError::TooFine { thickness, needed }) } else { Ok(()) }
+}
+
+impl Creases {
+    /// How many creases there are: one a wire. A crease that a border cuts into parts counts as many.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// How the wires' displacements become one.
+    pub fn blend(&self) -> Blend {
+        self.settings.blend
+    }
+
+    /// What is less than was asked for, at 0 s.
+    pub fn warnings(&self) -> &[WrinkleWarning] {
+        &self.warnings
+    }
+
+    /// Whether compression of the surface raises them; until it is told they lie flat.
+    pub fn is_driven(&self) -> bool {
+        self.gauges.is_some()
+    }
+
+    /// How much the surface is compressed across the creases at each of their nodes, where it has moved from `rest` to
+    /// `now`; for [`Creases::record`]. Empty where nothing drives them.
+    pub fn compression(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
+        self.gauges.as_ref().map_or_else(Vec::new, |gauges| gauges.read(rest, now))
+    }
+
+    /// Tells the compression of the surface at equal steps, in seconds, from 0 s on; a single one holds at all times. Each is from
+    /// [`Creases::compression`].
+    pub fn record(&mut self, step: f64, readings: Vec<Vec<f32>>) {
+        let settle = self.settings.drive.map_or(0.0, |strain| f64::from(strain.settle));
+        self.record = Record::new(step, readings, settle);
+    }
+
+    /// Whether references move over the surface, so that [`Creases::at`] is to be called for each moment.
+    pub fn moves(&self) -> bool {
+        self.settings.moves()
+    }
+
+    /// Brings the references to a moment: where the pattern moves over the surface, and on `surface` if that has moved
+    /// since the creases were laid. Each node stays at its place in its triangle, so that a crease does not slide over a surface that moves
+    /// below it.
+    ///
+    /// # Errors
+    ///
+    /// The surface has other triangles than the one they were laid on, is not finite, or has no normal at a crease.
+    pub fn at(&mut self, seconds: f64, surface: Option<&SurfaceView<'_>>) -> Result<(), WrinkleError> {
+        if self.moves() {
+            let lines = lines(&self.ground, &self.prepared, &self.settings, seconds, self.thickness)?;
+            self.list = self.lay(&lines)?;
+        }
+        let Some(surface) = surface else { return Ok(()) };
+        for anchor in self.list.iter().flat_map(|crease| &crease.anchors) {
+            anchor.check(surface)?;
+        }
+        for crease in &mut self.list {
+            let moved = crease.moved(&self.ground, surface.positions);
+            (crease.reference, crease.lift) = moved.ok_or(WrinkleError::NoNormal { curve: crease.index })?;
+        }
+        Ok(())
+    }
+
+    /// The wires at `seconds`, one a crease, in place of what `wires` held. Their references are those that [`Creases::at`]
+    /// was last asked for. Wires of an earlier moment are updated without allocating.
+    pub fn wires_at(&self, seconds: f64, wires: &mut Vec<Wire>) {
+        wires.truncate(self.list.len());
+        for (i, crease) in self.list.iter().enumerate() {
+            match wires.get_mut(i) {
+                Some(wire) if wire.reference == crease.reference => {}
+                Some(wire) => *wire = self.wire(crease),
+                None => wires.push(self.wire(crease)),
+            }
+        }
+        let settings = &*self.settings;
+        let intensity = f64::from(settings.intensity.at(seconds));
+        let propagation = f64::from(settings.propagation.at(seconds));
+        let radius = settings.thickness.at(seconds);
+        let resistance = f64::from(settings.resistance);
+        let mut first = 0;
+        for (wire, crease) in wires.iter_mut().zip(&self.list) {
+            wire.radius = radius;
+            let raised = |node: usize| match &settings.drive {
+                Some(strain) => self.record.raise(strain, seconds, first + node),
+                None => 1.0,
+            };
+            let full = |node: usize| match &self.crests {
+                Some(crests) => crests.at(f64::from(radius), crease.spacings[node]),
+                None => intensity,
+            };
+            let rise = |node: usize| {
+                let part = crease.strength * raised(node);
+                full(node) * part * height(crease.fractions[node], resistance, propagation)
+            };
+            let points = crease.reference.points().iter().zip(&crease.lift).enumerate();
+            wire.pose.clear();
+            wire.pose.extend(points.map(|(node, (p, lift))| {
+                let rise = rise(node);
+                [0, 1, 2].map(|a| (f64::from(p[a]) + f64::from(lift[a]) * rise) as f32)
+            }));
+            first += crease.fractions.len();
+        }
+    }
+
+    /// For each crease the vertices of the surface it was laid on that it may move: those within its thickness that the surface leads to from it.
+    /// Another sheet, though near, is not among them.
+    pub fn near(&self) -> Vec<Near> {
+        let widest = self.settings.thickness.values().copied().fold(0.0, f32::max);
+        let near = |buffer: &mut NearBuffer, crease: &Crease| {
+            self.ground.terrain.near(&crease.steps, f64::from(widest) * NEAR, buffer)
+        };
+        self.list.par_iter().map_init(NearBuffer::default, near).collect()
+    }
+
+    /// The longest edge that is good enough at each of the surface's vertices: a third of the thickness where a crease
+    /// reaches, any elsewhere.
+    pub fn wanted_edges(&self) -> Vec<f32> {
+        let mut wanted = vec![f32::INFINITY; self.ground.terrain.vertex_count()];
+        for vertex in self.near().iter().flat_map(|near| &near.vertices) {
+            wanted[*vertex as usize] = self.thickness * COARSE as f32;
+        }
+        wanted
+    }
+
+    fn lay(&self, lines: &Lines) -> Result<Vec<Crease>, WrinkleError> {
+        let reach = f64::from(self.thickness);
+        let varies = self.settings.varies() && lines.list.iter().any(|line| line.range.0 != line.range.1);
+        let least = if varies { MIN_SPANS_VARYING } else { *SPANS.start() };
+        let coarsest =
+            |length: f64| ((length * SPANS_A_THICKNESS / reach).ceil() as usize).clamp(least, *SPANS.end());
+        let needed: usize = lines.list.iter().map(|line| coarsest(line.trace.length())).sum();
+        if needed > MOST_SPANS {
+            return Err(WrinkleError::TooFine { thickness: self.thickness, needed });
+        }
+        let most = (MOST_SPANS / lines.list.len().max(1)).min(*SPANS.end());
+        let Density::Fold(q) = self.density else { return Ok(Vec::new()) };
+        let fineness = Fineness::new(reach, f64::from(q), least, most);
+        let crease = |line| {
+            Crease::new(&self.ground, line, &fineness).ok_or(WrinkleError::NoNormal { curve: line.index })
+        };
+        lines.list.par_iter().map(crease).collect()
+    }
+
+    fn wire(&self, crease: &Crease) -> Wire {
+        Wire { rotation: 0.0, density: self.density.clone(), ..Wire::new(crease.reference.clone()) }
+    }
+
+    /// The heights that a compression asks for.
+    fn crests(&self) -> Option<Crests> {
+        let compression = f64::from(self.settings.compression?);
+        let spacings = || self.list.iter().flat_map(|crease| &crease.spacings).filter(|s| **s > 0.0);
+        let widest = self.settings.thickness.values().copied().fold(0.0, f32::max);
+        let most = f64::from(widest) / spacings().copied().fold(f64::INFINITY, f64::min);
+        let least = f64::from(self.thickness) / spacings().copied().fold(0.0, f64::max);
+        let ratios = (least.max(1e-6), most.clamp(1e-6, 1e3));
+        Some(Crests::new(compression, &self.density, &self.settings.blend, ratios))
+    }
+
+    fn gauges(&self) -> Option<Gauges> {
+        let strain = self.settings.drive?;
+        let radius = strain.radius.unwrap_or(2.0 * self.thickness);
+        Some(Gauges::new(&self.ground, &self.list, f64::from(radius)))
+    }
+
+    /// Whether edges across the folds are too long to show them.
+    fn coarse(&self) -> Option<WrinkleWarning> {
+        let across = |crease: &Crease| {
+            let edges = crease.steps.windows(2).flat_map(|pair| {
+                let along = (position(&pair[1]) - position(&pair[0])).normalize_or_zero();
+                let edges = self.ground.terrain.edges(pair[1].triangle);
+                edges.map(move |edge| {
+                    let edge = DVec3::from(edge);
+                    (edge - along * edge.dot(along)).length()
+                })
+            });
+            edges.fold(0.0, f64::max)
+        };
+        let edge = self.list.iter().map(across).fold(0.0, f64::max);
+        // Rounding of positions is no reason for a word.
+        let coarse = edge > f64::from(self.thickness) * COARSE * 1.001;
+        coarse.then_some(WrinkleWarning::Coarse { edge: edge as f32, thickness: self.thickness })
+    }
+
+    /// Whether parts of the surface that hang together with no crease are near one.
+    fn apart(&self, surface: &SurfaceView<'_>) -> Option<WrinkleWarning> {
+        let shells = self.ground.terrain.shells();
+        if shells.iter().all(|shell| *shell == shells[0]) {
+            return None;
+        }
+        let steps = || self.list.iter().flat_map(|crease| &crease.steps);
+        let corner =
+            |step: &Step| surface.triangles.get(step.triangle as usize).map(|t| shells[t[0] as usize]);
+        let own: HashSet<u32> = steps().filter_map(corner).collect();
+        let radius = f64::from(self.thickness);
+        let (low, high) = steps().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), step| {
+            (low.min(position(step) - radius), high.max(position(step) + radius))
+        });
+        let near = |p: DVec3| {
+            p.cmpge(low).all()
+                && p.cmple(high).all()
+                && steps().any(|step| position(step).distance(p) < radius)
+        };
+        let other = |shell: u32| shell != u32::MAX && !own.contains(&shell);
+        let points =
+            surface.positions.iter().zip(&shells).filter(|(p, shell)| other(**shell) && near(wide(**p)));
+        let points = points.count();
+        (points > 0).then_some(WrinkleWarning::Apart { points })
+    }
+}
+
+#[cfg(test)]
+#[path = "creases_tests.rs"]
+mod tests;

@@ -1,0 +1,149 @@
+//! Where creases run: lines on the surface, laid out from a centre by geodesics.
+
+use wirework_surface::{Stop, Walker};
+
+use crate::ground::{Ground, wide};
+use crate::ripple::Rays;
+use crate::trace::Trace;
+use crate::{Layout, Pattern, Wrinkle, WrinkleError, WrinkleWarning, drawn, radial, tangential};
+
+/// A line on the surface for a crease to stand on.
+#[derive(Clone, Debug)]
+pub(crate) struct Line {
+    pub(crate) trace: Trace,
+    pub(crate) closed: bool,
+    /// Distances of its ends from the origin, as fractions of the crease.
+    pub(crate) range: (f64, f64),
+    /// Its own part of the height.
+    pub(crate) strength: f64,
+    /// The distance to the next creases at its ends.
+    pub(crate) spacing: (f64, f64),
+    /// Which crease of the pattern it is, or is a part of.
+    pub(crate) index: usize,
+}
+
+/// All lines of a moment, and what is to be said of them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lines {
+    pub(crate) list: Vec<Line>,
+    pub(crate) warnings: Vec<WrinkleWarning>,
+    /// Creases of the pattern that are not there at all.
+    pub(crate) outside: usize,
+    /// Ends of creases that a border cut.
+    pub(crate) cut: usize,
+    /// Ends of creases that a non-manifold edge cut.
+    pub(crate) crowded: usize,
+}
+
+/// What is prepared once.
+#[derive(Debug, Default)]
+pub(crate) struct Prepared {
+    rays: Option<Rays>,
+}
+
+/// Prepares what all moments have in common.
+pub(crate) fn prepare(ground: &Ground, settings: &Wrinkle, thickness: f32) -> Result<Prepared, WrinkleError> {
+    let rays = match &settings.pattern {
+        Pattern::Ripple(layout) => {
+            let (walker, _) = start(ground, layout)?;
+            Some(Rays::new(&walker, f64::from(layout.size[0]) / 2.0, settings, f64::from(thickness)))
+        }
+        _ => None,
+    };
+    Ok(Prepared { rays })
+}
+
+/// The lines of a pattern at a moment.
+pub(crate) fn lines(
+    ground: &Ground,
+    prepared: &Prepared,
+    settings: &Wrinkle,
+    seconds: f64,
+    thickness: f32,
+) -> Result<Lines, WrinkleError> {
+    let mut lines = Lines::default();
+    match &settings.pattern {
+        Pattern::Drawn(curves) => {
+            for (index, drawn) in curves.iter().enumerate() {
+                lines.list.push(drawn::drop(
+                    ground,
+                    &drawn.at(seconds),
+                    index,
+                    settings,
+                    seconds,
+                    thickness,
+                )?);
+            }
+        }
+        Pattern::Tangential(layout) => {
+            let walker = lines.start(ground, layout)?;
+            tangential::lay(&walker, layout, settings, seconds, f64::from(thickness), &mut lines);
+        }
+        Pattern::Radial(layout, branches) => {
+            let walker = lines.start(ground, layout)?;
+            radial::lay(walker, layout, *branches, settings, seconds, f64::from(thickness), &mut lines);
+        }
+        Pattern::Ripple(layout) => {
+            lines.start(ground, layout)?;
+            if let Some(rays) = &prepared.rays {
+                rays.lay(ground, layout, settings, seconds, f64::from(thickness), &mut lines);
+            }
+        }
+    }
+    lines.close(settings)
+}
+
+impl Lines {
+    fn start<'a>(&mut self, ground: &'a Ground, layout: &Layout) -> Result<Walker<'a>, WrinkleError> {
+        let (walker, upright) = start(ground, layout)?;
+        if upright {
+            self.warnings.push(WrinkleWarning::Upright);
+        }
+        Ok(walker)
+    }
+
+    /// Notes why a line ended, where that is before its time.
+    pub(crate) fn note(&mut self, stop: Stop) {
+        match stop {
+            Stop::Arrived => {}
+            Stop::Border => self.cut += 1,
+            Stop::NonManifold => self.crowded += 1,
+        }
+    }
+
+    fn close(mut self, settings: &Wrinkle) -> Result<Self, WrinkleError> {
+        let creases = settings.crease_count();
+        if self.list.is_empty() {
+            return Err(WrinkleError::NoRoom);
+        }
+        if self.outside > 0 {
+            self.warnings.push(WrinkleWarning::Outside { outside: self.outside, creases });
+        }
+        if self.cut > 0 {
+            self.warnings.push(WrinkleWarning::Border { ends: self.cut });
+        }
+        if self.crowded > 0 {
+            self.warnings.push(WrinkleWarning::NonManifold { ends: self.crowded });
+        }
+        Ok(self)
+    }
+}
+
+/// Someone at the centre of a pattern who looks along its first axis, and whether that stands upright on the surface and
+/// another had to be taken.
+fn start<'a>(ground: &'a Ground, layout: &Layout) -> Result<(Walker<'a>, bool), WrinkleError> {
+    let hit = ground.nearest.nearest(layout.center).ok_or(WrinkleError::NoNormalAtCenter)?;
+    let size = layout.size[0].max(layout.size[1]);
+    if hit.distance > size {
+        return Err(WrinkleError::CenterOff { distance: hit.distance, size });
+    }
+    let step = ground.terrain.step(&hit);
+    ground.terrain.normal_at(&step).ok_or(WrinkleError::NoNormalAtCenter)?;
+    let along = ground.terrain.walker(&hit, wide(layout.direction).to_array());
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let other = || axes.into_iter().find_map(|axis| ground.terrain.walker(&hit, axis));
+    match along {
+        Some(walker) => Ok((walker, false)),
+        None => other().map(|walker| (walker, true)).ok_or(WrinkleError::NoNormalAtCenter),
+    }
+}

@@ -1,0 +1,212 @@
+//! Creases that the surface's own compression raises.
+//!
+//! How much a surface is pushed together across a crease is the length of the crease's sideways direction after over before it
+//! moved, read in each triangle round a node and averaged by area: a mean of metrics, so that it neither depends on the
+//! triangulation nor takes bending for shortening.
+
+use std::collections::{HashSet, VecDeque};
+
+use glam::DVec3;
+use rayon::prelude::*;
+use wirework_surface::Terrain;
+
+use crate::WrinkleError;
+use crate::crease::Crease;
+use crate::ground::{Ground, wide};
+
+/// How compression raises creases.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strain {
+    /// The part of its length that the surface loses across a crease when that begins to rise, 0 or greater. Default 0.02.
+    pub from: f32,
+    /// And when it stands full, greater than `from`. Default 0.2.
+    pub to: f32,
+    /// The distance over which compression is averaged, in the unit of the surface, > 0. Default none: twice the thickness.
+    pub radius: Option<f32>,
+    /// The time over which compression is averaged, in seconds, 0 or greater. Default 0.1.
+    pub settle: f32,
+}
+
+impl Default for Strain {
+    fn default() -> Self {
+        Self { from: 0.02, to: 0.2, radius: None, settle: 0.1 }
+    }
+}
+
+impl Strain {
+    pub(crate) fn check(&self) -> Result<(), WrinkleError> {
+        let refuse = |field, expected, found| Err(WrinkleError::Value { field, expected, found });
+        if !(0.0..1.0).contains(&self.from) {
+            return refuse("from", "at least 0 and less than 1", self.from);
+        }
+        if !(self.to > self.from && self.to <= 1.0) {
+            return refuse("to", "greater than `from`, at most 1", self.to);
+        }
+        if let Some(found) = self.radius.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
+            return refuse("radius", "greater than 0", found);
+        }
+        if !(self.settle >= 0.0 && self.settle.is_finite()) {
+            return refuse("settle", "0 or greater", self.settle);
+        }
+        Ok(())
+    }
+
+    /// The part of its height that a crease has at a compression: smoothly from 0 to 1.
+    fn raise(&self, compression: f32) -> f64 {
+        let (from, to) = (f64::from(self.from), f64::from(self.to));
+        let x = ((f64::from(compression) - from) / (to - from)).clamp(0.0, 1.0);
+        x * x * (3.0 - 2.0 * x)
+    }
+}
+
+/// What reads the compression of a surface at the nodes of creases.
+#[derive(Clone, Debug)]
+pub(crate) struct Gauges {
+    /// For each crease a list for each node.
+    nodes: Vec<Vec<Gauge>>,
+}
+
+/// At one node: the triangles round it.
+#[derive(Clone, Debug)]
+struct Gauge(Vec<Strand>);
+
+/// The sideways direction in one triangle, as a sum of its edges from the first corner.
+#[derive(Clone, Copy, Debug)]
+struct Strand {
+    corners: [u32; 3],
+    along: [f32; 2],
+    weight: f32,
+}
+
+impl Gauges {
+    /// At the nodes of creases where they were laid; `radius` in the unit of the surface.
+    pub(crate) fn new(ground: &Ground, creases: &[Crease], radius: f64) -> Self {
+        let nodes = |crease: &Crease| {
+            let points: Vec<DVec3> = crease.reference.points().iter().map(|p| wide(*p)).collect();
+            let node = |(i, anchor): (usize, &crate::ground::Anchor)| {
+                let ahead = points[(i + 1).min(points.len() - 1)] - points[i.saturating_sub(1)];
+                let normal = wide(crease.lift[i]).normalize_or_zero();
+                let across = normal.cross(ahead).normalize_or_zero();
+                Gauge::new(&ground.terrain, anchor.triangle, points[i], across, radius)
+            };
+            crease.anchors.iter().enumerate().map(node).collect()
+        };
+        Self { nodes: creases.par_iter().map(nodes).collect() }
+    }
+
+    /// The compression at every node, one crease after the other, of the surface at `now` against `rest`: 0 none, 1 all of
+    /// the length is gone, negative where it is stretched.
+    pub(crate) fn read(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
+        let all: Vec<&Gauge> = self.nodes.iter().flatten().collect();
+        all.par_iter().with_min_len(16).map(|gauge| gauge.read(rest, now)).collect()
+    }
+}
+
+impl Gauge {
+    /// From the triangles round a point that lies in one of them.
+    fn new(terrain: &Terrain, triangle: u32, at: DVec3, across: DVec3, radius: f64) -> Self {
+        let mut strands = Vec::new();
+        let (mut seen, mut queue) = (HashSet::from([triangle]), VecDeque::from([triangle]));
+        while let Some(triangle) = queue.pop_front() {
+            let corners = terrain.corners_of(triangle).map(DVec3::from);
+            let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let x = center.distance(at) / radius;
+            let first = strands.is_empty();
+            if x >= 1.0 && !first {
+                continue;
+            }
+            // Where triangles are larger than the radius, the one it lies in says all.
+            let kernel = if x < 1.0 { (1.0 - x * x).powi(2) } else { 0.0 };
+            let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
+            if let Some(along) = along(corners, across) {
+                let weight = (kernel.max(1e-6) * area) as f32;
+                strands.push(Strand { corners: terrain.places_of(triangle), along, weight });
+            }
+            for next in terrain.neighbours(triangle) {
+                if seen.insert(next) {
+                    queue.push_back(next);
+                }
+            }
+        }
+        Self(strands)
+    }
+
+    fn read(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> f32 {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for strand in &self.0 {
+            let (before, after) = (strand.length(rest), strand.length(now));
+            if before > 0.0 && after.is_finite() {
+                sum += f64::from(strand.weight) * after / before;
+                weights += f64::from(strand.weight);
+            }
+        }
+        if weights > 0.0 { (1.0 - sum / weights) as f32 } else { 0.0 }
+    }
+}
+
+impl Strand {
+    fn length(&self, positions: &[[f32; 3]]) -> f64 {
+        let at = |i: usize| positions.get(self.corners[i] as usize).copied().map_or(DVec3::NAN, wide);
+        let (a, b, c) = (at(0), at(1), at(2));
+        ((b - a) * f64::from(self.along[0]) + (c - a) * f64::from(self.along[1])).length()
+    }
+}
+
+/// A direction, laid into a triangle, as a sum of its edges from the first corner; none where the triangle has no area or
+/// stands across the direction.
+fn along(corners: [DVec3; 3], direction: DVec3) -> Option<[f32; 2]> {
+    let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
+    let normal = e.cross(f).try_normalize()?;
+    let flat = (direction - normal * direction.dot(normal)).try_normalize()?;
+    let area = e.cross(f).dot(normal);
+    let x = flat.cross(f).dot(normal) / area;
+    let y = e.cross(flat).dot(normal) / area;
+    (x.is_finite() && y.is_finite()).then_some([x as f32, y as f32])
+}
+
+/// Compression in time: readings at equal steps from 0 s on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Record {
+    step: f64,
+    /// One after the other: the readings at all nodes.
+    readings: Vec<Vec<f32>>,
+}
+
+impl Record {
+    /// Of readings at equal steps in seconds, averaged over `settle` seconds: a window that falls off to either side, so
+    /// that what rises does so smoothly.
+    pub(crate) fn new(step: f64, readings: Vec<Vec<f32>>, settle: f64) -> Self {
+        let half = settle / 2.0 / step;
+        if half < 0.5 || readings.len() < 2 {
+            return Self { step, readings };
+        }
+        let reach = half.ceil() as usize;
+        let last = readings.len() - 1;
+        let mean = |i: usize| {
+            let (mut sum, mut weights) = (vec![0.0; readings[i].len()], 0.0);
+            for k in 0..=2 * reach {
+                let x = (k as f64 - reach as f64) / (half + 1.0);
+                let weight = (1.0 - x * x).max(0.0).powi(2);
+                let reading = &readings[(i + k).saturating_sub(reach).min(last)];
+                sum.iter_mut().zip(reading).for_each(|(sum, r)| *sum += weight * f64::from(*r));
+                weights += weight;
+            }
+            sum.into_iter().map(|sum| (sum / weights) as f32).collect()
+        };
+        let readings = (0..=last).into_par_iter().map(mean).collect();
+        Self { step, readings }
+    }
+
+    /// What part of their height the nodes have at a time; before the first reading and after the last what they have there.
+    pub(crate) fn raise(&self, strain: &Strain, seconds: f64, node: usize) -> f64 {
+        let Some(last) = self.readings.len().checked_sub(1) else { return 0.0 };
+        let x = if self.step > 0.0 { (seconds / self.step).clamp(0.0, last as f64) } else { 0.0 };
+        let i = (x.floor() as usize).min(last.saturating_sub(1));
+        let at = |i: usize| self.readings[i.min(last)].get(node).map_or(0.0, |c| strain.raise(*c));
+        at(i) + (at(i + 1) - at(i)) * (x - i as f64)
+    }
+}
+
+#[cfg(test)]
+#[path = "strain_tests.rs"]
+mod tests;

@@ -1,0 +1,161 @@
+use wirework_core::Keyed;
+use wirework_surface::{Mesh, grid, tube};
+
+use crate::{Creases, Layout, Pattern, Strain, SurfaceView, Wrinkle, WrinkleError, creases};
+
+use super::*;
+
+const LAYOUT: Layout = Layout { center: [0.0; 3], direction: [0.0, 0.0, 1.0], size: [1.0, 1.0], creases: 4 };
+
+fn lay(mesh: &Mesh, layout: Layout, strain: Strain) -> Creases {
+    let settings = Wrinkle {
+        drive: Some(strain),
+        thickness: Keyed::Constant(0.1),
+        ..Wrinkle::new(Pattern::Tangential(layout))
+    };
+    let triangles = mesh.triangles().unwrap();
+    creases(&SurfaceView { positions: &mesh.positions, triangles: &triangles }, &settings).unwrap()
+}
+
+fn map(mesh: &Mesh, f: impl Fn([f32; 3]) -> [f32; 3]) -> Vec<[f32; 3]> {
+    mesh.positions.iter().map(|p| f(*p)).collect()
+}
+
+/// The highest point of all wires.
+fn highest(creases: &Creases, seconds: f64) -> f32 {
+    let mut wires = Vec::new();
+    creases.wires_at(seconds, &mut wires);
+    wires.iter().flat_map(|wire| &wire.pose).fold(0.0, |high, p| high.max(p[1]))
+}
+
+#[test]
+fn compression_is_read_across_the_crease_only() {
+    let mesh = grid([2.0, 2.0], [23, 17], [0.0, 1.0, 0.0]).unwrap();
+    // Creases run along z, so that x is across.
+    let laid = lay(&mesh, LAYOUT, Strain::default());
+    let read = |now: Vec<[f32; 3]>| laid.compression(&mesh.positions, &now);
+    let all = |readings: Vec<f32>, expected: f32| {
+        assert!(!readings.is_empty());
+        for reading in readings {
+            assert!((reading - expected).abs() < 1e-5, "{reading} for {expected}");
+        }
+    };
+    all(read(mesh.positions.clone()), 0.0);
+    all(read(map(&mesh, |[x, y, z]| [0.8 * x, y, z])), 0.2);
+    all(read(map(&mesh, |[x, y, z]| [1.3 * x, y, z])), -0.3);
+    all(read(map(&mesh, |[x, y, z]| [x, y, 0.5 * z])), 0.0);
+    // Turned, carried off, and bent without a change of length.
+    all(read(map(&mesh, |[x, y, z]| [z + 3.0, 0.9 * x, y])), 0.1);
+    // Chords are shorter than arcs by little.
+    let bent = read(map(&mesh, |[x, _, z]| [0.5 * (2.0 * x).sin(), 0.5 - 0.5 * (2.0 * x).cos(), z]));
+    assert!(bent.iter().all(|reading| (0.0..0.003).contains(reading)), "{bent:?}");
+}
+
+impl Creases {
+    fn at_once(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Self {
+        let mut driven = self.clone();
+        driven.record(0.0, vec![self.compression(rest, now)]);
+        driven
+    }
+}
+
+#[test]
+fn creases_rise_where_the_surface_is_pushed_together() {
+    let mesh = grid([2.0, 2.0], [40, 40], [0.0, 1.0, 0.0]).unwrap();
+    let laid = lay(&mesh, LAYOUT, Strain::default());
+    assert!(laid.is_driven());
+    assert_eq!(highest(&laid, 0.0), 0.0);
+    let height =
+        |x: f32| highest(&laid.at_once(&mesh.positions, &map(&mesh, |p| [x * p[0], p[1], p[2]])), 0.0);
+    assert_eq!([height(1.2), height(1.0), height(0.985)], [0.0; 3]);
+    assert!((height(0.7) - 0.05).abs() < 1e-6);
+    assert!((height(0.89) - 0.025).abs() < 1e-3);
+    // Only the half that is compressed.
+    let half =
+        laid.at_once(&mesh.positions, &map(&mesh, |[x, y, z]| [if x > 0.0 { 0.6 * x } else { x }, y, z]));
+    let mut wires = Vec::new();
+    half.wires_at(0.0, &mut wires);
+    for wire in &wires {
+        let risen = wire.pose[0][1] > 0.049;
+        assert_eq!(risen, wire.reference.points()[0][0] > 0.0, "{:?}", wire.reference.points()[0]);
+    }
+}
+
+#[test]
+fn a_bent_tube_wrinkles_on_its_inside() {
+    // The bend: about z at (0.6, 0), from straight to a right angle between y = −0.3 and 0.3.
+    for [sides, rings] in [[24, 41], [64, 121], [65, 90]] {
+        let mesh = tube([0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.3, sides, rings, false).unwrap();
+        let round = Layout { direction: [0.0, 0.0, 1.0], size: [1.8, 0.6], creases: 5, ..LAYOUT };
+        let on = |x: f32| lay(&mesh, Layout { center: [x, 0.0, 0.0], ..round }, Strain::default());
+        let bent = map(&mesh, |[x, y, z]| {
+            let angle = y.clamp(-0.3, 0.3) / 0.6 * std::f32::consts::FRAC_PI_2;
+            let rest = y - y.clamp(-0.3, 0.3);
+            let (sin, cos) = angle.sin_cos();
+            let r = 0.6 - x;
+            [0.6 - r * cos + rest * sin, r * sin + rest * cos, z]
+        });
+        let heights = |laid: &Creases| {
+            let driven = laid.at_once(&mesh.positions, &bent);
+            let mut wires = Vec::new();
+            driven.wires_at(0.0, &mut wires);
+            let nodes = wires.iter().flat_map(|w| w.reference.points().iter().zip(&w.pose));
+            nodes.map(|(r, p)| (r[0], wide(*p).distance(wide(*r)))).collect::<Vec<_>>()
+        };
+        let (inside, outside) = (heights(&on(0.3)), heights(&on(-0.3)));
+        let middle: Vec<f64> = inside.iter().filter(|(x, _)| *x > 0.28).map(|(_, h)| *h).collect();
+        assert!(middle.iter().all(|h| *h > 0.03), "{sides} {rings}: {middle:?}");
+        assert!(
+            outside.iter().filter(|(x, _)| *x < -0.1).all(|(_, h)| *h < 1e-4),
+            "{sides} {rings}: {outside:?}"
+        );
+    }
+}
+
+#[test]
+fn readings_hardly_depend_on_the_triangles() {
+    let reading = |cells: [u32; 2]| {
+        let mesh = grid([2.0, 2.0], cells, [0.0, 1.0, 0.0]).unwrap();
+        let laid =
+            lay(&mesh, Layout { creases: 1, ..LAYOUT }, Strain { radius: Some(0.3), ..Strain::default() });
+        let now = map(&mesh, |[x, y, z]| [x - 0.08 * (3.0 * x).sin(), y, z]);
+        let all = laid.compression(&mesh.positions, &now);
+        all[all.len() / 2]
+    };
+    let (coarse, odd, fine) = (reading([20, 20]), reading([31, 13]), reading([160, 160]));
+    assert!((coarse - fine).abs() < 0.02 * fine && (odd - fine).abs() < 0.03 * fine, "{coarse} {odd} {fine}");
+}
+
+#[test]
+fn readings_are_smoothed_in_time() {
+    let step = 0.02;
+    let jump: Vec<Vec<f32>> = (0..100).map(|i| vec![if i < 50 { 0.0 } else { 0.3 }]).collect();
+    let strain = Strain { from: 0.0, to: 0.3, ..Strain::default() };
+    let sharp = Record::new(step, jump.clone(), 0.0);
+    assert_eq!((sharp.raise(&strain, 0.98, 0), sharp.raise(&strain, 1.0, 0)), (0.0, 1.0));
+    let soft = Record::new(step, jump, 0.4);
+    let at = |seconds| soft.raise(&strain, seconds, 0);
+    assert_eq!((at(-5.0), at(0.7), at(1.3), at(50.0)), (0.0, 0.0, 1.0, 1.0));
+    for i in 0..200 {
+        let seconds = f64::from(i) * 0.01;
+        let change = at(seconds + 0.01) - at(seconds);
+        assert!((0.0..0.15).contains(&change), "{change} at {seconds}");
+    }
+    assert_eq!(Record::default().raise(&strain, 1.0, 0), 0.0);
+}
+
+#[test]
+fn settings_out_of_range_are_named() {
+    let base = Strain::default();
+    for (strain, name) in [
+        (Strain { from: -0.1, ..base }, "from"),
+        (Strain { from: 0.3, ..base }, "to"),
+        (Strain { to: f32::NAN, ..base }, "to"),
+        (Strain { radius: Some(0.0), ..base }, "radius"),
+        (Strain { settle: -1.0, ..base }, "settle"),
+    ] {
+        let error = strain.check().unwrap_err();
+        assert!(matches!(error, WrinkleError::Value { field, .. } if field == name), "{error} for {name}");
+    }
+    assert_eq!(base.check(), Ok(()));
+}
