@@ -234,7 +234,7 @@ fn sparse_masks_do_what_dense_ones_do() {
         points.iter().zip(&factors).for_each(|(&i, &f)| dense[i as usize] = f);
         let sparse = vec![Some(Mask::Sparse { points: &points, factors: &factors }); rig.wires.len()];
         let dense = vec![Some(Mask::Dense(&dense)); rig.wires.len()];
-        let mut of = |masks: &[Option<Mask<'_>>], again: bool| {
+        let of = |masks: &[Option<Mask<'_>>], again: bool| {
             let first = if again { rig.masks() } else { masks.to_vec() };
             let mut binding = Binding::masked(&rig.wires, &rig.points, &first).unwrap();
             if again {

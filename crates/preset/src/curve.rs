@@ -17,10 +17,9 @@ pub(crate) fn curve(reader: &mut Reader<'_>, node: &Node) -> Option<Curve> {
 }
 
 /// A curve, and its control points where they have keys.
-pub(crate) fn keyed_curve(
-    reader: &mut Reader<'_>,
-    node: &Node,
-) -> Option<(Curve, Option<Keyed<Vec<[f32; 3]>>>)> {
+type KeyedCurve = (Curve, Option<Keyed<Vec<[f32; 3]>>>);
+
+pub(crate) fn keyed_curve(reader: &mut Reader<'_>, node: &Node) -> Option<KeyedCurve> {
     of_points(reader, node, |reader, owner, degree, closed, node| {
         if node.name.is_none() {
             return Some((build(reader, owner, degree, closed, node)?, None));

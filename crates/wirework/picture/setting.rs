@@ -103,12 +103,11 @@ impl Setting {
             effects => Some(self.basis.bind(effects, self.masks.clone())?),
         };
         let clips = self.gltf.clip_names().len();
-        let clip = match job.clip {
-            Some(wanted) => Some(find_clip(&self.gltf, wanted)?),
-            None => {
-                let driven = motion.as_ref().is_none_or(|motion| motion.evaluation.is_driven());
-                (driven && clips > 0).then_some(0)
-            }
+        let clip = if let Some(wanted) = job.clip {
+            Some(find_clip(&self.gltf, wanted)?)
+        } else {
+            let driven = motion.as_ref().is_none_or(|motion| motion.evaluation.is_driven());
+            (driven && clips > 0).then_some(0)
         };
         if let (Some(motion), Some(clip)) = (&mut motion, clip)
             && motion.evaluation.is_driven()

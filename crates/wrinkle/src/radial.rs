@@ -109,7 +109,7 @@ impl Laying<'_> {
         let jitter = |what| random * (2.0 * unit(self.settings.seed, index, what) - 1.0);
         let place =
             (f64::from(branch) + 1.0 + 0.4 * jitter(Jitter::Sideways)) / f64::from(self.branches.count + 1);
-        let side = if branch % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if branch.is_multiple_of(2) { 1.0 } else { -1.0 };
         let mut walker = stem.clone();
         walker.walk(place * length, |_, _| {});
         walker.turn(side * (FORK.0 + FORK.1 * jitter(Jitter::Askew)));
