@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use wirework::asset::{OutputFile, check_output, printable, write_files};
-use wirework::{Fault, Job, JobError, Report, When, bake};
+use wirework::{Fault, FinerMesh, Job, JobError, Report, When, bake};
 
 use crate::args::{Apply, Bake};
 use crate::console::{Console, print};
@@ -74,6 +74,9 @@ fn tell(console: Console, args: &Apply, report: &Report) -> Result<(), Failure> 
         report.write_ms,
         report.peak_bytes as f64 / 1e6
     ));
+    for FinerMesh { name, before, after } in &report.refined {
+        console.note(&format!("mesh {}: {before} vertices are {after} where it folds", printable(name)));
+    }
     let what = match (&args.output, args.dry_run) {
         (Some(path), false) => format!("wrote {}", printable(&path.display().to_string())),
         _ => "dry run, nothing is written".to_owned(),

@@ -11,6 +11,7 @@ use crate::film::{Film, check_clip};
 use crate::mask::masks;
 use crate::motion::Basis;
 use crate::output::{Pattern, Scene, Target};
+use crate::refine::refined;
 use crate::report::peak_bytes;
 use crate::source::{Source, parts};
 use crate::strain::{Length, driving_clip, sense};
@@ -129,13 +130,15 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     for path in source.files() {
         guard_report(job, &path)?;
     }
-    let subject = source.subject()?;
+    let (subject, refinement) = refined(source.subject()?, preset, &job.limits)?;
     let mut report = Report {
         points: subject.position_count(),
         threads: rayon::current_num_threads(),
         warnings: subject.warnings(),
         ..Report::default()
     };
+    report.warnings.extend(refinement.warnings);
+    report.refined = refinement.meshes;
     let masks = masks(&subject, &preset.effects, source.folder(), &job.limits)?.complete()?;
     let (basis, model, point_of) = Basis::of(subject);
     if let Some(clip) = job.clip {

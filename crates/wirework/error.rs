@@ -8,7 +8,7 @@ use wirework_bake::BakeError;
 use wirework_core::BindError;
 use wirework_preset::{ObjectError, PresetError, PresetErrorKind};
 use wirework_render::{EncodeError, MAX_SIDE, RenderError};
-use wirework_surface::{MeshError, NearestError, NormalsError};
+use wirework_surface::{MeshError, NearestError, NormalsError, SubdivideError};
 use wirework_wrinkle::WrinkleError;
 
 use crate::{EvaluateError, ScheduleError};
@@ -85,6 +85,9 @@ pub enum JobError {
     /// Normals cannot follow.
     #[error("the normals cannot be updated: {0}")]
     Normals(#[from] NormalsError),
+    /// A surface cannot be made finer.
+    #[error("the surface cannot be made finer: {0}")]
+    Refine(#[from] SubdivideError),
     /// Frames cannot be baked.
     #[error(transparent)]
     Bake(#[from] BakeError),
@@ -153,6 +156,7 @@ impl JobError {
             | Self::Bake(BakeError::Frame { .. }) => Fault::Preset,
             Self::Schedule(ScheduleError::TooMany { .. })
             | Self::Bake(BakeError::TooManyTargets { .. })
+            | Self::Refine(SubdivideError::TooMany { .. })
             | Self::Row { .. } => Fault::Limit,
             Self::Render(RenderError::Size { .. } | RenderError::Samples { .. } | RenderError::TooMany) => {
                 Fault::Limit
@@ -161,9 +165,12 @@ impl JobError {
             | Self::Request(_)
             | Self::Render(_)
             | Self::Encode(EncodeError::Fps { .. }) => Fault::Request,
-            Self::Encode(_) | Self::Normals(_) | Self::Bake(_) | Self::NoFolder(_) | Self::Threads(..) => {
-                Fault::Work
-            }
+            Self::Encode(_)
+            | Self::Normals(_)
+            | Self::Refine(_)
+            | Self::Bake(_)
+            | Self::NoFolder(_)
+            | Self::Threads(..) => Fault::Work,
         }
     }
 }

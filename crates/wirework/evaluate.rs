@@ -136,7 +136,7 @@ impl<'a> Evaluation<'a> {
         triangles: &'a [[u32; 3]],
         bounds: Option<Bounds>,
     ) -> Result<Self, EvaluateError> {
-        let frame = frame_of(bounds);
+        let frame = bounds_frame(bounds);
         let in_bounds = |effect: &Effect| effect.units == Units::Bounds;
         if let Some(effect) = effects.iter().position(in_bounds).filter(|_| !has_extent(&frame)) {
             return Err(EvaluateError::NoExtent { effect });
@@ -260,8 +260,8 @@ impl<'a> Evaluation<'a> {
     }
 }
 
-/// The frame of `units: Bounds`; it has an extent or not.
-pub(crate) fn frame_of(bounds: Option<Bounds>) -> BoundsFrame {
+/// What `units: Bounds` are parts of; it has an extent or not.
+pub(crate) fn bounds_frame(bounds: Option<Bounds>) -> BoundsFrame {
     bounds.map_or(BoundsFrame { center: [0.0; 3], size: 0.0 }, |bounds| BoundsFrame {
         center: bounds.center(),
         size: bounds.largest_side(),

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::FinerMesh;
+
 /// Counts and times. As JSON it is the command's report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
@@ -28,6 +30,8 @@ pub struct Report {
     pub peak_bytes: u64,
     /// The clip that the animation was added as; none for a still, an OBJ, or where a clip of the input takes the effect.
     pub clip: Option<NewClip>,
+    /// The meshes that were subdivided, as effects with `refine: Auto` ask for.
+    pub refined: Vec<FinerMesh>,
     /// What was repaired, passed over, or is hardly meant.
     pub warnings: Vec<String>,
 }

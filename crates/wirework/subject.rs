@@ -188,7 +188,7 @@ impl Subject {
         Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, origin })
     }
 
-    fn new(model: Model) -> Result<Self, JobError> {
+    pub(crate) fn new(model: Model) -> Result<Self, JobError> {
         let Model::Mesh { mesh, obj, .. } = &model else {
             return Ok(Self {
                 points: Vec::new(),

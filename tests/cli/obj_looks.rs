@@ -57,6 +57,15 @@ fn faces_have_the_colours_of_their_materials() {
     place.run("render push.ron in.obj -o b.png --fast --size 96x72 --view front").expect(0);
     let moved = image::load_from_memory(&place.read("b.png")).unwrap().to_rgb8();
     assert_eq!((hue(&moved, LEFT), hue(&moved, RIGHT)), ("red", "green"));
+    // So is a finer copy of it.
+    place.write(
+        "fold.ron",
+        "Wrinkle(pattern: Drawn([Polyline([(-0.9, 0.9, 0), (0.9, 0.9, 0)])]), thickness: 0.06, intensity: 0.02, refine: Auto)",
+    );
+    let err = place.run("render fold.ron in.obj -o c.png --fast --size 96x72 --view front").expect(0).err();
+    let folded = image::load_from_memory(&place.read("c.png")).unwrap().to_rgb8();
+    assert_eq!((hue(&folded, LEFT), hue(&folded, RIGHT)), ("red", "green"), "{err}");
+    assert!(!err.contains("warning"), "{err}");
 }
 
 #[test]

@@ -55,6 +55,18 @@ impl Component {
         }
     }
 
+    /// Its number in the standard.
+    pub(crate) fn code(self) -> u32 {
+        match self {
+            Self::I8 => 5120,
+            Self::U8 => 5121,
+            Self::I16 => 5122,
+            Self::U16 => 5123,
+            Self::U32 => 5125,
+            Self::F32 => 5126,
+        }
+    }
+
     /// What a normalised component is divided by, and the least that it can then be.
     fn scale(self) -> (f64, f64) {
         match self {

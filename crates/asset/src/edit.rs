@@ -127,6 +127,21 @@ impl Gltf {
         self.append("accessors", accessor)
     }
 
+    /// Appends indices of `count` vertices and gives the accessor's index.
+    pub(crate) fn append_indices(&mut self, flat: &[u32], count: usize) -> Result<usize, AssetError> {
+        // 65 535 is no index of 16 bits: it restarts primitives.
+        let short = u16::try_from(count).is_ok();
+        let mut bytes = crate::limits::reserve(flat.len() * if short { 2 } else { 4 })?;
+        for &index in flat {
+            bytes.extend_from_slice(&index.to_le_bytes()[..if short { 2 } else { 4 }]);
+        }
+        let view = self.append_view(bytes, Some(INDICES))?;
+        let kind = if short { 5123 } else { 5125 };
+        let accessor =
+            json!({ "bufferView": view, "componentType": kind, "count": flat.len(), "type": "SCALAR" });
+        self.append("accessors", accessor)
+    }
+
     /// A copy of a mesh at the end of the table, for nodes that need it changed in another way.
     pub(crate) fn copy_mesh(&mut self, mesh: usize, nodes: &[usize]) -> Result<usize, AssetError> {
         let copy = Value::Object(self.entry_mut("meshes", mesh)?.clone());

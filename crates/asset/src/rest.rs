@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
+use glam::DAffine3;
 use wirework_surface::{Corner, Mesh};
 
 use crate::document::Gltf;
@@ -176,5 +177,18 @@ impl Block {
     pub fn tangent_uvs(&self) -> Option<&[[f32; 2]]> {
         let uvs = self.tangent_uvs.as_ref().or(self.uvs.as_ref());
         uvs.map(Vec::as_slice).filter(|uvs| uvs.len() == self.count)
+    }
+
+    /// Whether its triangles are turned round in the world.
+    pub(crate) fn mirrored(&self) -> bool {
+        self.frame.mirrored()
+    }
+
+    /// The matrices of its skin's joints, at rest; none without a skin.
+    pub(crate) fn joints(&self) -> Option<&[DAffine3]> {
+        match &self.frame {
+            Frame::Node(_) => None,
+            Frame::Skin { joints, .. } => Some(joints),
+        }
     }
 }

@@ -4,7 +4,6 @@ use serde_json::json;
 
 use crate::content::Contents;
 use crate::document::{Buffer, Gltf, Source};
-use crate::edit::INDICES;
 use crate::error::AssetError;
 use crate::image::media_type;
 use crate::json::Json;
@@ -139,21 +138,6 @@ impl Gltf {
         let index = self.append("meshes", json!({ "name": mesh.name, "primitives": [primitive] }))?;
         self.append("nodes", json!({ "name": mesh.name, "mesh": index }))?;
         Ok(())
-    }
-
-    /// Appends indices of `vertices` vertices as an accessor and gives its index.
-    fn append_indices(&mut self, flat: &[u32], vertices: usize) -> Result<usize, AssetError> {
-        // 65 535 is no index of 16 bits: it restarts primitives.
-        let short = u16::try_from(vertices).is_ok();
-        let mut bytes = crate::limits::reserve(flat.len() * if short { 2 } else { 4 })?;
-        for &index in flat {
-            bytes.extend_from_slice(&index.to_le_bytes()[..if short { 2 } else { 4 }]);
-        }
-        let view = self.append_view(bytes, Some(INDICES))?;
-        let kind = if short { 5123 } else { 5125 };
-        let accessor =
-            json!({ "bufferView": view, "componentType": kind, "count": flat.len(), "type": "SCALAR" });
-        self.append("accessors", accessor)
     }
 
     /// Cuts the one primitive of a new mesh into `parts`, which share its vertices.

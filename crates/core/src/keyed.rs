@@ -104,14 +104,14 @@ impl<T: Interpolate> Keyed<T> {
 }
 
 impl<T> Keyed<T> {
-    /// The same keys with other values. A list must become one that is as long.
+    /// The same keys with other values, of another kind if need be. Lists must become ones that are as long.
     #[must_use]
-    pub fn map(&self, mut change: impl FnMut(&T) -> T) -> Self {
+    pub fn map<U>(&self, mut change: impl FnMut(&T) -> U) -> Keyed<U> {
         match self {
-            Self::Constant(value) => Self::Constant(change(value)),
+            Self::Constant(value) => Keyed::Constant(change(value)),
             Self::Keys(track) => {
                 let keys = track.keys.iter().map(|(time, value)| (*time, change(value))).collect();
-                Self::Keys(Keys { keys, ease: track.ease })
+                Keyed::Keys(Keys { keys, ease: track.ease })
             }
         }
     }

@@ -21,6 +21,9 @@ pub(crate) struct Adjacency {
     /// Where the triangles of each place start in `fans`.
     starts: Vec<u32>,
     fans: Vec<u32>,
+    /// The places beside each place, and where those of each start.
+    beside_starts: Vec<u32>,
+    beside: Vec<u32>,
     /// Vertices that are not the first at their place: the place and the vertex, rising.
     split: Vec<(u32, u32)>,
 }
@@ -36,7 +39,11 @@ impl Adjacency {
         let mut split: Vec<(u32, u32)> = place_of.iter().zip(0..).filter_map(second).collect();
         split.sort_unstable();
         let across = vec![[BORDER; 3]; triangles.len()];
-        let mut adjacency = Self { place_of, triangles, across, starts, fans, split };
+        let (beside_starts, beside) = (vec![0], Vec::with_capacity(fans.len() + fans.len() / 8));
+        let mut adjacency = Self { place_of, triangles, across, starts, fans, beside_starts, beside, split };
+        for place in 0..positions.len() as u32 {
+            adjacency.add_beside(place);
+        }
         for triangle in 0..adjacency.triangles.len() {
             if proper(adjacency.triangles[triangle]) {
                 adjacency.across[triangle] = [0, 1, 2].map(|edge| adjacency.find(triangle as u32, edge));
@@ -54,6 +61,26 @@ impl Adjacency {
     pub(crate) fn fan(&self, place: u32) -> &[u32] {
         let place = place as usize;
         &self.fans[self.starts[place] as usize..self.starts[place + 1] as usize]
+    }
+
+    /// The places that share a triangle with a place, each once.
+    pub(crate) fn beside(&self, place: u32) -> &[u32] {
+        let place = place as usize;
+        &self.beside[self.beside_starts[place] as usize..self.beside_starts[place + 1] as usize]
+    }
+
+    /// Finds those of the next place.
+    fn add_beside(&mut self, place: u32) {
+        let first = self.beside.len();
+        let fan = self.starts[place as usize] as usize..self.starts[place as usize + 1] as usize;
+        for slot in fan {
+            for corner in self.triangles[self.fans[slot] as usize] {
+                if corner != place && !self.beside[first..].contains(&corner) {
+                    self.beside.push(corner);
+                }
+            }
+        }
+        self.beside_starts.push(self.beside.len() as u32);
     }
 
     /// The vertices at a place beside the first.

@@ -144,6 +144,27 @@ impl Terrain {
         self.adjacency.triangles[triangle as usize]
     }
 
+    /// The vertices at one position with a vertex, itself among them.
+    ///
+    /// # Panics
+    ///
+    /// There is no such vertex.
+    pub fn at_place(&self, vertex: u32) -> impl Iterator<Item = u32> {
+        let place = self.adjacency.place_of[vertex as usize];
+        std::iter::once(place).chain(self.adjacency.split(place).iter().map(|(_, vertex)| *vertex))
+    }
+
+    /// The corners of all triangles that meet in a vertex, with all vertices at their positions; some more than once.
+    ///
+    /// # Panics
+    ///
+    /// There is no such vertex.
+    pub fn around(&self, vertex: u32) -> impl Iterator<Item = u32> {
+        let fan = self.adjacency.fan(self.adjacency.place_of[vertex as usize]);
+        let corners = fan.iter().flat_map(|&triangle| self.adjacency.triangles[triangle as usize]);
+        corners.flat_map(|corner| self.at_place(corner))
+    }
+
     /// The triangles across the edges of a triangle, where there is just one.
     ///
     /// # Panics

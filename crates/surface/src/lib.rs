@@ -28,6 +28,7 @@ mod normals;
 mod patch;
 mod primitives;
 mod smooth;
+mod subdivide;
 mod tangents;
 mod transform;
 mod triangulate;
@@ -44,6 +45,9 @@ pub use normals::{Normals, NormalsBuffer, NormalsError};
 pub use patch::{Patch, PatchError, Tessellation};
 pub use primitives::{MAX_VERTICES, PrimitiveError, cuboid, grid, sphere, tube};
 pub use smooth::smooth_normals;
+pub use subdivide::{
+    MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, subdivide, subdivide_vertices,
+};
 pub use tangents::{Tangents, TangentsBuffer};
 pub use transform::{Transform, TransformError};
 pub use vertex_mesh::VertexMesh;

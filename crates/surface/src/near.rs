@@ -10,7 +10,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::Step;
 use crate::geodesic::Terrain;
@@ -39,58 +39,92 @@ pub struct Near {
 /// Room for [`Terrain::near`], to be used again.
 #[derive(Clone, Debug, Default)]
 pub struct NearBuffer {
-    /// For each place what is known of it; what is not touched is [`UNKNOWN`].
-    found: Vec<Found>,
+    /// For each place the square of its distance from the line, and the point of the line that is nearest; what is not touched
+    /// is [`UNKNOWN`].
+    air: Vec<(f32, u32)>,
     touched: Vec<u32>,
-    queue: Vec<u32>,
+    stack: Vec<u32>,
+    /// A bit for each vertex.
+    bits: Vec<u64>,
+    /// For each place its distance over the surface, and whether that is final. Filled in where it is needed.
+    over: Vec<(f64, bool)>,
+    marched: Vec<u32>,
     heap: BinaryHeap<Reverse<(u64, u32)>>,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Found {
-    /// Distance from the line through the air.
-    air: f64,
-    /// Distance over the surface.
-    over: f64,
-    /// The point of the line that is nearest.
-    point: u32,
-    /// Whether `over` is final.
-    settled: bool,
-}
-
-const UNKNOWN: Found = Found { air: f64::INFINITY, over: f64::INFINITY, point: u32::MAX, settled: false };
+const UNKNOWN: (f32, u32) = (f32::INFINITY, u32::MAX);
 
 impl Terrain {
     /// The vertices within `radius` of a line through points of the surface, as far as the surface leads there. All vertices at
     /// one position are found together.
     pub fn near(&self, line: &[Step], radius: f64, buffer: &mut NearBuffer) -> Near {
-        buffer.found.resize(self.adjacency.place_of.len(), UNKNOWN);
+        let count = self.adjacency.place_of.len();
+        buffer.air.resize(count, UNKNOWN);
+        buffer.bits.resize(count.div_ceil(64), 0);
         let mut search = Search { terrain: self, line: Line::new(self, line), radius, buffer };
         search.flood();
-        let mut near = Near { vertices: search.within(), factors: Vec::new() };
-        if search.doubtful(&near.vertices) {
+        let mut places = search.within();
+        let mut over = Vec::new();
+        if search.doubtful(&places) {
             search.march();
-            near.vertices.retain(|&place| search.over(place) < GONE * radius);
-            self.add_split(&mut near.vertices);
-            near.vertices.sort_unstable();
-            let place = |vertex: &u32| self.adjacency.place_of[*vertex as usize];
-            let factor = |vertex| fade(search.over(place(vertex)) / radius) as f32;
-            near.factors = near.vertices.iter().map(factor).collect();
-        } else {
-            self.add_split(&mut near.vertices);
-            near.vertices.sort_unstable();
+            places.retain(|&place| search.over(place) < GONE * radius);
+            over.extend(places.iter().map(|&place| fade(search.over(place) / radius) as f32));
+            for place in buffer.marched.drain(..) {
+                buffer.over[place as usize] = (f64::INFINITY, false);
+            }
         }
         for place in buffer.touched.drain(..) {
-            buffer.found[place as usize] = UNKNOWN;
+            buffer.air[place as usize] = UNKNOWN;
         }
-        near
+        self.vertices(&places, &over, &mut buffer.bits)
     }
 
-    /// Adds the other vertices at the places of vertices.
-    fn add_split(&self, vertices: &mut Vec<u32>) {
-        for i in 0..vertices.len() {
-            vertices.extend(self.adjacency.split(vertices[i]).iter().map(|(_, vertex)| vertex));
+    /// All vertices at places, with the factors of these, rising.
+    fn vertices(&self, places: &[u32], factors: &[f32], bits: &mut [u64]) -> Near {
+        let split = |&place: &u32| self.adjacency.split(place).iter().map(|(_, vertex)| *vertex);
+        if !factors.is_empty() {
+            let all = |(&factor, place): (&f32, &u32)| {
+                let (factor, place) = (factor, *place);
+                std::iter::once(place)
+                    .chain(self.adjacency.split(place).iter().map(|(_, v)| *v))
+                    .map(move |v| (v, factor))
+            };
+            let mut all: Vec<(u32, f32)> = factors.iter().zip(places).flat_map(all).collect();
+            all.sort_unstable_by_key(|(vertex, _)| *vertex);
+            let (vertices, factors) = all.into_iter().unzip();
+            return Near { vertices, factors };
         }
+        // Bits are in order; sorting would take as long as finding them did.
+        let mut count = 0;
+        let (mut low, mut high) = (bits.len(), 0);
+        let mut mark = |vertex: u32| {
+            let word = vertex as usize / 64;
+            bits[word] |= 1 << (vertex % 64);
+            (low, high) = (low.min(word), high.max(word + 1));
+            count += 1;
+        };
+        for place in places {
+            mark(*place);
+            split(place).for_each(&mut mark);
+        }
+        let mut vertices = Vec::with_capacity(count);
+        for word in low..high {
+            let mut left = std::mem::take(&mut bits[word]);
+            while left != 0 {
+                vertices.push(word as u32 * 64 + left.trailing_zeros());
+                left &= left - 1;
+            }
+        }
+        Near { vertices, factors: Vec::new() }
+    }
+}
+
+impl Terrain {
+    /// The longest edge at a place.
+    fn longest(&self, place: u32) -> f64 {
+        let here = self.positions[place as usize];
+        let length = |&corner: &u32| self.positions[corner as usize].distance(here);
+        self.adjacency.beside(place).iter().map(length).fold(0.0, f64::max)
     }
 }
 
@@ -103,43 +137,59 @@ fn fade(radii: f64) -> f64 {
 /// A line on the surface.
 struct Line<'a> {
     steps: &'a [Step],
-    points: Vec<DVec3>,
+    points: Vec<Vec3>,
     /// Zero where there is none.
     normals: Vec<DVec3>,
+    /// The square of half the longest way between two points: so much farther than the line a point of it may be.
+    slack: f32,
 }
 
 impl<'a> Line<'a> {
     fn new(terrain: &Terrain, steps: &'a [Step]) -> Self {
         let normal = |step: &Step| terrain.normal(step.triangle, DVec3::from(step.weights));
-        Self {
-            steps,
-            points: steps.iter().map(|step| DVec3::from(step.position)).collect(),
-            normals: steps.iter().map(|step| normal(step).unwrap_or_default()).collect(),
-        }
+        let points: Vec<Vec3> = steps.iter().map(|step| DVec3::from(step.position).as_vec3()).collect();
+        let longest = points.windows(2).map(|pair| pair[0].distance_squared(pair[1])).fold(0.0, f32::max);
+        let normals = steps.iter().map(|step| normal(step).unwrap_or_default()).collect();
+        Self { steps, points, normals, slack: longest / 4.0 }
     }
 
-    /// The point near number `from` that is nearest to `p`, and how near the line comes there.
-    fn descend(&self, p: DVec3, from: usize) -> (f64, usize) {
+    /// The point near number `from` that is nearest to `p`, and the square of its distance.
+    #[inline]
+    fn descend(&self, p: Vec3, from: u32) -> (f32, u32) {
         let off = |i: usize| self.points[i].distance_squared(p);
-        let (mut at, mut least) = (from, off(from));
-        for step in [1, usize::MAX] {
-            loop {
-                let next = at.wrapping_add(step);
-                if next >= self.points.len() || off(next) >= least {
-                    break;
-                }
-                (at, least) = (next, off(next));
+        let (mut at, mut least) = (from as usize, off(from as usize));
+        let start = at;
+        while at + 1 < self.points.len() {
+            let next = off(at + 1);
+            if next >= least {
+                break;
             }
+            (at, least) = (at + 1, next);
         }
+        while at == start || at < start {
+            let Some(before) = at.checked_sub(1) else { break };
+            let next = off(before);
+            if next >= least {
+                break;
+            }
+            (at, least) = (before, next);
+        }
+        (least, at as u32)
+    }
+
+    /// How far a place is from the line near its point `from`.
+    fn distance(&self, p: DVec3, from: u32) -> f64 {
+        let (_, at) = self.descend(p.as_vec3(), from);
+        let at = at as usize;
         let before = at.checked_sub(1).map(|before| self.segment(p, before));
         let after = (at + 1 < self.points.len()).then(|| self.segment(p, at));
-        let nearest = before.into_iter().chain(after).fold(least, f64::min);
-        (nearest.sqrt(), at)
+        let own = DVec3::from(self.steps[at].position).distance_squared(p);
+        before.into_iter().chain(after).fold(own, f64::min).sqrt()
     }
 
     /// The squared distance from the segment between a point and the next.
     fn segment(&self, p: DVec3, i: usize) -> f64 {
-        let (a, b) = (self.points[i], self.points[i + 1]);
+        let [a, b] = [i, i + 1].map(|i| DVec3::from(self.steps[i].position));
         let square = (b - a).length_squared();
         let x = if square > 0.0 { ((p - a).dot(b - a) / square).clamp(0.0, 1.0) } else { 0.0 };
         a.lerp(b, x).distance_squared(p)
@@ -155,19 +205,25 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn over(&self, place: u32) -> f64 {
-        self.buffer.found[place as usize].over
+        self.buffer.over[place as usize].0
     }
 
-    /// Places within the radius.
+    /// The square of a distance from the line, as points of it have it.
+    fn square(&self, distance: f64) -> f32 {
+        (distance * distance) as f32 + self.line.slack
+    }
+
+    /// Places within the radius, and a few beyond.
     fn within(&self) -> Vec<u32> {
-        let within = |place: &&u32| self.buffer.found[**place as usize].air < self.radius;
+        let most = self.square(self.radius);
+        let within = |place: &&u32| self.buffer.air[**place as usize].0 < most;
         self.buffer.touched.iter().filter(within).copied().collect()
     }
 
     /// Whether one of the places faces another way than the line.
     fn doubtful(&self, places: &[u32]) -> bool {
         let facing = |&place: &u32| {
-            let point = self.buffer.found[place as usize].point;
+            let (_, point) = self.buffer.air[place as usize];
             self.terrain.normals[place as usize].dot(self.line.normals[point as usize]) > FACING
         };
         !places.iter().all(facing)
@@ -176,67 +232,63 @@ impl Search<'_> {
     /// Finds distances through the air, from neighbour to neighbour.
     fn flood(&mut self) {
         let terrain = self.terrain;
+        let stray = self.square(STRAY * self.radius);
         for from in 0..self.line.steps.len() {
             for place in terrain.adjacency.triangles[self.line.steps[from].triangle as usize] {
-                self.offer(place, from);
+                self.offer(place, from as u32);
                 // The line lies in this triangle, however far its corners are.
-                self.buffer.queue.push(place);
+                self.buffer.stack.push(place);
             }
         }
-        while let Some(place) = self.buffer.queue.pop() {
-            let from = self.buffer.found[place as usize].point as usize;
-            for &triangle in terrain.adjacency.fan(place) {
-                for next in terrain.adjacency.triangles[triangle as usize] {
-                    if self.offer(next, from) {
-                        self.buffer.queue.push(next);
+        while let Some(place) = self.buffer.stack.pop() {
+            let (_, from) = self.buffer.air[place as usize];
+            for &next in terrain.adjacency.beside(place) {
+                if self.offer(next, from) {
+                    let air = self.buffer.air[next as usize].0;
+                    // A long edge may lead out of the radius and into it again.
+                    if air < stray || f64::from(air).sqrt() < self.radius + terrain.longest(next) {
+                        self.buffer.stack.push(next);
                     }
                 }
             }
         }
     }
 
-    /// Takes up the distance of a place from the line near its point `from`, if that is the least so far. Returns whether its
-    /// neighbours are to hear of it.
-    fn offer(&mut self, place: u32, from: usize) -> bool {
-        let known = self.buffer.found[place as usize];
-        if known.point as usize == from {
+    /// Takes up the distance of a place from the line near its point `from`, if that is the least so far.
+    #[inline]
+    fn offer(&mut self, place: u32, from: u32) -> bool {
+        let known = self.buffer.air[place as usize];
+        // From a point beside the one that is nearest one comes to that again.
+        if known.1.abs_diff(from) <= 1 {
             return false;
         }
-        let (air, point) = self.line.descend(self.terrain.positions[place as usize], from);
-        if air >= known.air {
+        let found = self.line.descend(self.terrain.positions[place as usize].as_vec3(), from);
+        if found.0 >= known.0 {
             return false;
         }
-        if known.point == u32::MAX {
+        if known.1 == u32::MAX {
             self.buffer.touched.push(place);
         }
-        self.buffer.found[place as usize] = Found { air, point: point as u32, ..known };
-        // A long edge may lead out of the radius and into it again.
-        air < STRAY * self.radius || air < self.radius + self.longest(place)
-    }
-
-    /// The longest edge at a place.
-    fn longest(&self, place: u32) -> f64 {
-        let (adjacency, positions) = (&self.terrain.adjacency, &self.terrain.positions);
-        let corners = adjacency.fan(place).iter().flat_map(|&t| adjacency.triangles[t as usize]);
-        let length = |corner: u32| positions[corner as usize].distance(positions[place as usize]);
-        corners.map(length).fold(0.0, f64::max)
+        self.buffer.air[place as usize] = found;
+        true
     }
 
     /// Finds distances over the surface, up to [`GONE`] radii.
     fn march(&mut self) {
+        self.buffer.over.resize(self.terrain.positions.len(), (f64::INFINITY, false));
         for from in 0..self.line.steps.len() {
             for place in self.terrain.adjacency.triangles[self.line.steps[from].triangle as usize] {
-                let (air, _) = self.line.descend(self.terrain.positions[place as usize], from);
-                self.reach(place, air);
+                let distance = self.line.distance(self.terrain.positions[place as usize], from as u32);
+                self.reach(place, distance);
             }
         }
         while let Some(Reverse((_, place))) = self.buffer.heap.pop() {
-            let found = &mut self.buffer.found[place as usize];
-            if found.settled {
+            let (over, settled) = &mut self.buffer.over[place as usize];
+            if *settled {
                 continue;
             }
-            found.settled = true;
-            if found.over < GONE * self.radius {
+            *settled = true;
+            if *over < GONE * self.radius {
                 self.spread(place);
             }
         }
@@ -252,22 +304,21 @@ impl Search<'_> {
                 let there = terrain.positions[next as usize];
                 let along = own + here.distance(there);
                 let third = corners.into_iter().find(|&c| c != place && c != next);
-                let ahead =
-                    third.filter(|&third| self.buffer.found[third as usize].settled).and_then(|third| {
-                        front(there, (here, own), (terrain.positions[third as usize], self.over(third)))
-                    });
+                let ahead = third.filter(|&third| self.buffer.over[third as usize].1).and_then(|third| {
+                    front(there, (here, own), (terrain.positions[third as usize], self.over(third)))
+                });
                 self.reach(next, ahead.map_or(along, |ahead| ahead.min(along)));
             }
         }
     }
 
     fn reach(&mut self, place: u32, over: f64) {
-        let known = &mut self.buffer.found[place as usize];
-        if over < known.over {
-            if known.point == u32::MAX && known.over == f64::INFINITY {
-                self.buffer.touched.push(place);
+        let known = &mut self.buffer.over[place as usize];
+        if over < known.0 {
+            if known.0 == f64::INFINITY {
+                self.buffer.marched.push(place);
             }
-            known.over = over;
+            known.0 = over;
             // Distances are not negative, so that their bits are in their order.
             self.buffer.heap.push(Reverse((over.to_bits(), place)));
         }

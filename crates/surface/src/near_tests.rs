@@ -23,11 +23,17 @@ fn on_a_plane_everything_near_is_found_and_counts() {
         let start = DVec3::from(steps[0].position);
         for radius in [0.1, 0.5, 1.3] {
             let near = terrain.near(&steps, radius, &mut NearBuffer::default());
-            let expected = (0..mesh.positions.len() as u32).filter(|&i| {
+            let longest = steps
+                .windows(2)
+                .map(|pair| DVec3::from(pair[0].position).distance(DVec3::from(pair[1].position)));
+            let most = radius.hypot(longest.fold(0.0, f64::max) / 2.0);
+            for i in 0..mesh.positions.len() as u32 {
                 let v = DVec3::from(mesh.positions[i as usize].map(f64::from)) - start;
-                v.distance(ahead * v.dot(ahead).clamp(0.0, 1.0)) < radius - 1e-9
-            });
-            assert_eq!(near.vertices, expected.collect::<Vec<_>>(), "{cells:?} {radius}");
+                let off = v.distance(ahead * v.dot(ahead).clamp(0.0, 1.0));
+                let found = near.vertices.binary_search(&i).is_ok();
+                assert!(found || off >= radius - 1e-6, "{cells:?} {radius}: {i} is {off} off");
+                assert!(!found || off <= most + 1e-6, "{cells:?} {radius}: {i} is {off} off");
+            }
             assert!(near.factors.is_empty());
         }
     }
@@ -81,7 +87,8 @@ fn round_a_thin_tube_the_far_side_fades_by_the_way_round() {
         }
     }
     assert!(fade(PI / 2.0 / 0.9) < 0.9 && fade(PI / 2.0 / 1.3) == 1.0);
-    assert!(buffer.touched.is_empty() && buffer.found.iter().all(|f| f.point == u32::MAX && !f.settled));
+    assert!(buffer.touched.is_empty() && buffer.air.iter().all(|known| *known == UNKNOWN));
+    assert!(buffer.marched.is_empty() && buffer.over.iter().all(|known| known.0 == f64::INFINITY));
 }
 
 #[test]

@@ -12,7 +12,7 @@ use wirework_surface::{Bounds, Mesh};
 use super::parts::{broken_colors, groups, materials, named_parts, nodes, of_mesh};
 use super::{AnimationFacts, AssetFacts, BoundsFacts, MeshFacts, PartFacts, SkinFacts};
 use crate::JobError;
-use crate::evaluate::{frame_of, has_extent};
+use crate::evaluate::{bounds_frame, has_extent};
 use crate::subject::{FileKind, Model, Subject};
 
 /// An asset that effects refuse, and what can be told of it nevertheless.
@@ -52,7 +52,7 @@ pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, Box<Ref
     facts.vertices = Some(subject.position_count());
     facts.triangles = Some(subject.triangles.len());
     facts.bounds = Bounds::of(&subject.points).map(|b| BoundsFacts { min: b.min, max: b.max });
-    if !has_extent(&frame_of(subject.bounds())) {
+    if !has_extent(&bounds_frame(subject.bounds())) {
         let file = printable(&path.display().to_string());
         let found = "all points are at one place: effects in `units: Bounds` refuse it";
         facts.warnings.push(format!("{file}: {found} [no-extent]"));

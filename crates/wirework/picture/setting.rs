@@ -12,6 +12,7 @@ use crate::output::Scene;
 use crate::picture::dress::Dress;
 use crate::picture::show::Show;
 use crate::picture::{PictureJob, Shown};
+use crate::refine::{Refinement, refined};
 use crate::source::{Source, parts, refused};
 use crate::strain::sense;
 use crate::subject::Origin;
@@ -64,9 +65,14 @@ impl Setting {
             (Some(source), _) => source.subject()?,
             (None, Shown::Asset(path) | Shown::Preset { path, .. }) => Subject::read(path, &job.limits)?,
         };
+        let (subject, refinement) = match job.preset() {
+            Some(preset) => refined(subject, preset, &job.limits)?,
+            None => (subject, Refinement::default()),
+        };
         let folder = source.map_or(Path::new(""), |source| source.folder());
         let masks = masks(&subject, job.effects(), folder, &job.limits)?.complete()?;
         let mut warnings = subject.warnings();
+        warnings.extend(refinement.warnings);
         let document = match (&source, job.shown) {
             (Some(source), _) => source.input.map(Path::to_path_buf).or_else(|| source.own_object()),
             (None, Shown::Asset(path) | Shown::Preset { path, .. }) => Some(path.to_path_buf()),

@@ -1,5 +1,6 @@
 //! All creases of a wrinkle, at any moment.
 
+use std::cell::RefCell;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -23,6 +24,11 @@ pub(crate) const MOST_SPANS: usize = 1 << 18;
 const NEAR: f64 = 1.06;
 /// Edges across a fold longer than this part of its thickness make it jagged.
 const COARSE: f64 = 1.0 / 3.0;
+
+thread_local! {
+    /// Grows to the largest surface and stays, so that creases that travel do not ask for it in every frame.
+    static BUFFER: RefCell<NearBuffer> = RefCell::default();
+}
 
 /// The creases of a wrinkle on a surface, ready for any moment.
 #[derive(Clone, Debug)]
@@ -195,20 +201,34 @@ impl Creases {
     /// Another sheet, though near, is not among them.
     pub fn near(&self) -> Vec<Near> {
         let widest = self.settings.thickness.values().copied().fold(0.0, f32::max);
-        let near = |buffer: &mut NearBuffer, crease: &Crease| {
-            self.ground.terrain.near(&crease.steps, f64::from(widest) * NEAR, buffer)
+        let near = |crease: &Crease| {
+            BUFFER.with_borrow_mut(|buffer| {
+                self.ground.terrain.near(&crease.steps, f64::from(widest) * NEAR, buffer)
+            })
         };
-        self.list.par_iter().map_init(NearBuffer::default, near).collect()
+        self.list.par_iter().map(near).collect()
     }
 
-    /// The longest edge that is good enough at each of the surface's vertices: a third of the thickness where a crease
-    /// reaches, any elsewhere.
-    pub fn wanted_edges(&self) -> Vec<f32> {
-        let mut wanted = vec![f32::INFINITY; self.ground.terrain.vertex_count()];
-        for vertex in self.near().iter().flat_map(|near| &near.vertices) {
-            wanted[*vertex as usize] = self.thickness * COARSE as f32;
+    /// Marks the vertices of the surface they were laid on whose triangles a crease reaches, where it is now, with the longest
+    /// edge that shows the fold: a third of the thickness, if that is less than what is there. One number a vertex.
+    pub fn want_edges(&self, wanted: &mut [f32]) {
+        let terrain = &self.ground.terrain;
+        let longest = self.thickness * COARSE as f32;
+        let mut want = |vertex: u32| {
+            if let Some(wanted) = wanted.get_mut(vertex as usize) {
+                *wanted = wanted.min(longest);
+            }
+        };
+        for vertex in self.near().into_iter().flat_map(|near| near.vertices) {
+            // The corners of all its triangles, so that these are cut.
+            terrain.around(vertex).for_each(&mut want);
         }
-        wanted
+        // Of triangles larger than the fold no corner may be near.
+        for step in self.list.iter().flat_map(|crease| &crease.steps) {
+            for corner in terrain.places_of(step.triangle) {
+                terrain.at_place(corner).for_each(&mut want);
+            }
+        }
     }
 
     fn lay(&self, lines: &Lines) -> Result<Vec<Crease>, WrinkleError> {

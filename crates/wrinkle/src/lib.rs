@@ -22,24 +22,33 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bending;
 mod compression;
 mod crease;
 mod creases;
+#[cfg_attr(not(test), expect(dead_code, reason = "wrinkles do not hang by it yet"))]
+mod curtain;
 mod drawn;
 mod fit;
 mod ground;
 mod height;
+mod links;
 mod pattern;
 mod radial;
 mod random;
 mod ripple;
+mod rope;
+#[cfg_attr(not(test), expect(dead_code, reason = "wrinkles do not hang by it yet"))]
+mod ropes;
 mod settings;
 mod strain;
 mod tangential;
 mod trace;
 mod travel;
+mod wind;
 
 pub use creases::{Creases, creases};
+pub use curtain::{Curtain, Rail};
 pub use settings::{
     Branches, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning,
 };

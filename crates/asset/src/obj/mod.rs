@@ -7,6 +7,7 @@ mod census;
 mod material;
 mod paint;
 mod read;
+mod refine;
 mod write;
 
 use std::ops::Range;

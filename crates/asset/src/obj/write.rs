@@ -28,7 +28,7 @@ pub fn write_obj(mesh: &Mesh) -> Vec<u8> {
     out.into_bytes()
 }
 
-fn line(out: &mut String, keyword: &str, numbers: &[f32]) {
+pub(super) fn line(out: &mut String, keyword: &str, numbers: &[f32]) {
     out.push_str(keyword);
     for number in numbers {
         // Writing to a string cannot fail.
@@ -37,7 +37,7 @@ fn line(out: &mut String, keyword: &str, numbers: &[f32]) {
     out.push('\n');
 }
 
-fn face(out: &mut String, corners: &[Corner]) {
+pub(super) fn face(out: &mut String, corners: &[Corner]) {
     out.push('f');
     for corner in corners {
         let one = |index: u32| u64::from(index) + 1;

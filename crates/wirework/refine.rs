@@ -1,0 +1,219 @@
+//! A finer subject where a mesh is too coarse for what is to be seen on it.
+
+use serde::Serialize;
+use wirework_asset::{AssetError, Gltf, Limits, Obj, RefinedMesh, Rest};
+use wirework_preset::{Action, Preset};
+use wirework_surface::{
+    Mesh, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, subdivide,
+};
+use wirework_wrinkle::{SurfaceView, creases};
+
+use crate::evaluate::bounds_frame;
+use crate::subject::{Model, Origin, Subject, unfit};
+use crate::weld::Weld;
+use crate::{ControlNet, EvaluateError, JobError};
+
+/// What was done to a subject.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Refinement {
+    /// The meshes that became finer; none where all were fine enough.
+    pub meshes: Vec<FinerMesh>,
+    /// What could not be done.
+    pub warnings: Vec<String>,
+}
+
+/// A mesh that became finer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FinerMesh {
+    /// What it is called in its file, or else by its number there.
+    pub name: String,
+    /// How many vertices it had: in a glTF document those that one node shows, elsewhere its positions.
+    pub before: usize,
+    /// How many it has now.
+    pub after: usize,
+}
+
+/// Moments at which creases that walk over the surface are looked for.
+const MOMENTS: u32 = 48;
+
+/// The subject made finer where effects of a preset that ask for it fold it. Effects are looked for where they act on the rest.
+///
+/// # Errors
+///
+/// As [`Subject::refined`]; the pattern of an effect does not fit the subject.
+pub(crate) fn refined(
+    subject: Subject,
+    preset: &Preset,
+    limits: &Limits,
+) -> Result<(Subject, Refinement), JobError> {
+    if !preset.effects.iter().any(|effect| effect.refine) {
+        return Ok((subject, Refinement::default()));
+    }
+    let frame = bounds_frame(subject.bounds());
+    let mut wanted = vec![f32::INFINITY; subject.points.len()];
+    for (index, effect) in preset.effects.iter().enumerate().filter(|(_, effect)| effect.refine) {
+        let Action::Wrinkle(wrinkle) = effect.placed(&frame).action else { continue };
+        let fail = |error| unfit(&subject.origin)(EvaluateError::Wrinkle { effect: index, error });
+        let surface = SurfaceView { positions: &subject.points, triangles: &subject.triangles };
+        let mut creases = creases(&surface, &wrinkle).map_err(fail)?;
+        creases.want_edges(&mut wanted);
+        let moments = if creases.moves() { MOMENTS } else { 0 };
+        for moment in 1..=moments {
+            let seconds = preset.duration * f64::from(moment) / f64::from(MOMENTS);
+            creases.at(seconds, None).map_err(fail)?;
+            creases.want_edges(&mut wanted);
+        }
+    }
+    subject.refined(&wanted, limits)
+}
+
+impl Subject {
+    /// The subject with edges short enough, and what was done. `wanted` is, for each of [`Subject::points`], the longest
+    /// an edge there may be: metres at rest, above 0, and [`f32::INFINITY`] where it does not matter.
+    ///
+    /// Edges are halved; the points there are keep their numbers and their bits, and new ones are numbered behind them.
+    /// The wanted length is taken to be linear between points: no edge of a triangle is longer than what *all* its corners
+    /// want, and whoever wants it fine in its middle says so at each of them. Where others do not care it grows by half of
+    /// the way, so that fine passes into coarse gradually.
+    ///
+    /// In a glTF document the nodes then show finer copies of their meshes, as [`Gltf::refine`] makes them; the document's
+    /// own stay in it. An OBJ file keeps its text, as [`Obj::refined`] says. Faces of polygon meshes without a long edge stay
+    /// polygons. A subject that is fine enough is returned as it is.
+    ///
+    /// The control points of a patch are not touched, which is a warning: how finely it is tessellated is for the preset to say.
+    ///
+    /// # Errors
+    ///
+    /// [`JobError::Refine`]: a list of another length, a length that is not above 0. [`JobError::Asset`]: more vertices or
+    /// indices than `limits` allow, counted before they are made; attributes that are malformed.
+    pub fn refined(self, wanted: &[f32], limits: &Limits) -> Result<(Self, Refinement), JobError> {
+        if let Some(ControlNet { tessellation: [u, v], .. }) = &self.net {
+            let warning = format!(
+                "the object is a patch whose control points are deformed: its surface stays at {u} by {v} cells, as its \
+                 `tessellation` says [refine-patch]"
+            );
+            return Ok((self, Refinement { warnings: vec![warning], ..Refinement::default() }));
+        }
+        let Self { points, triangles, model, net, point_of, origin } = self;
+        let wanted = Wanted { places: &points, place_of: &point_of, longest: wanted };
+        match model {
+            Model::Mesh { name, mesh, obj } => {
+                let finer = mesh.subdivide(&wanted, room(limits)).map_err(refused(&origin, limits))?;
+                if finer.is_empty() {
+                    let model = Model::Mesh { name, mesh, obj };
+                    let same = Self { points, triangles, model, net, point_of, origin };
+                    return Ok((same, Refinement::default()));
+                }
+                let positions = mesh.positions.len() + finer.positions.len();
+                limits
+                    .check_mesh(positions as u64, finer.corners.len() as u64)
+                    .map_err(|error| in_file(error, &origin))?;
+                let done = FinerMesh { name: name.clone(), before: mesh.positions.len(), after: positions };
+                let (mesh, obj) = finer_mesh(&mesh, obj.as_deref(), &finer, limits)?;
+                let subject = Self { origin, ..Self::new(Model::Mesh { name, mesh, obj })? };
+                Ok((subject, Refinement { meshes: vec![done], ..Refinement::default() }))
+            }
+            Model::Gltf { gltf, rest } => {
+                let finer =
+                    subdivide(&rest.triangles, &wanted, room(limits)).map_err(refused(&origin, limits))?;
+                if finer.is_empty() {
+                    let model = Model::Gltf { gltf, rest };
+                    let same = Self { points, triangles, model, net, point_of, origin };
+                    return Ok((same, Refinement::default()));
+                }
+                let (subject, done) = finer_scene(*gltf, &rest, points, &point_of, &finer)?;
+                Ok((Self { origin, ..subject }, done))
+            }
+        }
+    }
+}
+
+/// A mesh and the file it comes from, if there is one, both finer. The mesh is the file's own unless it has been placed
+/// elsewhere.
+fn finer_mesh(
+    mesh: &Mesh,
+    obj: Option<&Obj>,
+    finer: &MeshSubdivision,
+    limits: &Limits,
+) -> Result<(Mesh, Option<Box<Obj>>), AssetError> {
+    let Some(obj) = obj else { return Ok((finer.apply(mesh), None)) };
+    let own = Box::new(obj.refined(finer, limits)?);
+    Ok((if *mesh == obj.mesh { own.mesh.clone() } else { finer.apply(mesh) }, Some(own)))
+}
+
+/// A scene with finer meshes. New vertices share a point where their parents do, even if rounding has put them apart: no
+/// seam can open.
+fn finer_scene(
+    mut gltf: Gltf,
+    rest: &Rest,
+    mut points: Vec<[f32; 3]>,
+    point_of: &[u32],
+    finer: &Subdivision,
+) -> Result<(Subject, Refinement), JobError> {
+    let refined = gltf.refine(rest, finer)?;
+    let old = points.len();
+    points.resize(old + finer.place_parents.len(), [f32::NAN; 3]);
+    let mut of_vertices = Vec::with_capacity(refined.vertex_of.len());
+    for (p, &vertex) in refined.rest.positions.iter().zip(&refined.vertex_of) {
+        let vertex = vertex as usize;
+        let place = point_of.get(vertex).or_else(|| finer.place_of.get(vertex - point_of.len()));
+        let place = place.copied().unwrap_or_default();
+        of_vertices.push(place);
+        if let Some(point) = points.get_mut(place as usize).filter(|point| point[0].is_nan()) {
+            *point = *p;
+        }
+    }
+    // A new point may fall on another one, as where one side of a seam had a vertex that the other did not.
+    let weld = Weld::new(&points);
+    let point_of: Vec<u32> = of_vertices.iter().map(|&place| weld.point_of[place as usize]).collect();
+    let triangles = &refined.rest.triangles;
+    let triangles = triangles.iter().map(|t| t.map(|v| point_of[v as usize])).collect();
+    let meshes = refined.meshes.iter().map(|mesh| told(&gltf, mesh)).collect();
+    let subject = Subject {
+        points: weld.points,
+        triangles,
+        origin: Origin::File(gltf.file().to_owned()),
+        model: Model::Gltf { gltf: Box::new(gltf), rest: Box::new(refined.rest) },
+        net: None,
+        point_of,
+    };
+    Ok((subject, Refinement { meshes, warnings: Vec::new() }))
+}
+
+fn told(gltf: &Gltf, refined: &RefinedMesh) -> FinerMesh {
+    let own = gltf.json()["meshes"][refined.mesh]["name"].as_str();
+    let name = own.or_else(|| gltf.node_name(*refined.nodes.first()?));
+    let name = name.map_or_else(|| format!("mesh {}", refined.mesh), str::to_owned);
+    FinerMesh { name, before: refined.before, after: refined.after }
+}
+
+fn room(limits: &Limits) -> SubdivideLimits {
+    SubdivideLimits { vertices: limits.vertices, triangles: limits.indices / 3 }
+}
+
+/// What is wrong with a subdivision: too large is a limit as any other.
+fn refused(origin: &Origin, limits: &Limits) -> impl Fn(SubdivideError) -> JobError {
+    move |error| match error {
+        SubdivideError::TooMany { vertices, triangles } => {
+            match limits.check_mesh(vertices, triangles.saturating_mul(3)) {
+                Err(limit) => in_file(limit, origin).into(),
+                Ok(()) => JobError::Refine(error),
+            }
+        }
+        SubdivideError::Mesh(error) => error.into(),
+        error => JobError::Refine(error),
+    }
+}
+
+fn in_file(mut error: AssetError, origin: &Origin) -> AssetError {
+    if let Origin::File(file) = origin
+        && error.file.is_empty()
+    {
+        file.clone_into(&mut error.file);
+    }
+    error
+}
+
+#[cfg(test)]
+#[path = "refine_tests.rs"]
+mod tests;
