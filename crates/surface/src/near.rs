@@ -108,8 +108,8 @@ impl Terrain {
             split(place).for_each(&mut mark);
         }
         let mut vertices = Vec::with_capacity(count);
-        for word in low..high {
-            let mut left = std::mem::take(&mut bits[word]);
+        for (word, bits) in bits.iter_mut().enumerate().take(high).skip(low) {
+            let mut left = std::mem::take(bits);
             while left != 0 {
                 vertices.push(word as u32 * 64 + left.trailing_zeros());
                 left &= left - 1;
@@ -166,7 +166,7 @@ impl<'a> Line<'a> {
             }
             (at, least) = (at + 1, next);
         }
-        while at == start || at < start {
+        while at <= start {
             let Some(before) = at.checked_sub(1) else { break };
             let next = off(before);
             if next >= least {

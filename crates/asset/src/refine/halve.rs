@@ -86,7 +86,9 @@ impl Gltf {
         with_bounds: bool,
     ) -> Result<usize, AssetError> {
         let mut bytes = crate::limits::reserve(values.len() * 4)?;
-        values.iter().for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+        for value in values {
+            bytes.extend_from_slice(&value.to_le_bytes());
+        }
         let view = self.append_view(bytes, Some(VERTICES))?;
         let count = values.len() / column.lanes;
         let mut accessor =
