@@ -113,7 +113,7 @@ impl Outline {
         let opened = uri::read_file(path, &mut budget).and_then(|bytes| open(bytes, &mut budget));
         let mut gltf = opened.map_err(|error| error.in_file(&name))?;
         // Why it is refused, if it is, its reader says.
-        let _ = gltf.load(&mut budget);
+        let _ = gltf.load(&mut budget, false);
         let Gltf { json, binary, warnings, .. } = gltf;
         Ok(Self { json, binary, warnings })
     }
@@ -152,7 +152,7 @@ impl Gltf {
         budget: &mut Budget,
     ) -> Result<Self, AssetError> {
         let mut gltf = Self::open(bytes, name, folder, limits, budget)?;
-        gltf.load(budget)?;
+        gltf.load(budget, true)?;
         Ok(gltf)
     }
 
@@ -198,11 +198,12 @@ impl Gltf {
         })
     }
 
-    /// Reads the buffers of a document that is one, and tells what is wrong with the rest of it.
-    fn load(&mut self, budget: &mut Budget) -> Result<(), AssetError> {
+    /// Reads the buffers of a document that is one, and tells what is wrong with the rest of it: what is `passed` through, or
+    /// would have been.
+    fn load(&mut self, budget: &mut Budget, passed: bool) -> Result<(), AssetError> {
         check_version(self.root())?;
         let loaded = check_extensions(self.root()).and_then(|()| self.load_buffers(budget));
-        self.survey();
+        self.survey(passed);
         loaded
     }
 

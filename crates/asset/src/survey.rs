@@ -15,13 +15,11 @@ use crate::schema::{DOCUMENT, Kind, Member, TABLES};
 /// How many faults are told one by one: a file of a million nodes can have as many, and twenty fill a screen.
 const MOST: usize = 20;
 
-/// What is done about all of them.
-const PASSED: &str = "it is passed through as it is";
-
 impl Gltf {
-    /// Warns of whatever the standard does not allow.
-    pub(crate) fn survey(&mut self) {
-        let mut survey = Survey { gltf: self, samplers: 0, found: 0, warnings: Vec::new() };
+    /// Warns of whatever the standard does not allow. If it is `passed` through, which a document that is refused is not, that is
+    /// said too.
+    pub(crate) fn survey(&mut self, passed: bool) {
+        let mut survey = Survey { gltf: self, passed, samplers: 0, found: 0, warnings: Vec::new() };
         survey.document();
         let warnings = survey.finish();
         self.warnings.extend(warnings);
@@ -50,6 +48,7 @@ impl At<'_> {
 
 struct Survey<'g> {
     gltf: &'g Gltf,
+    passed: bool,
     /// How many samplers the animation has that is looked at.
     samplers: usize,
     found: usize,
@@ -192,15 +191,16 @@ impl Survey<'_> {
         self.found += 1;
         if self.found <= MOST {
             let (place, found) = fault();
-            self.warnings.push(Warning::new(code, Place::Pointer(place), format!("{found}; {PASSED}")));
+            let done = if self.passed { "; it is passed through as it is" } else { "" };
+            self.warnings.push(Warning::new(code, Place::Pointer(place), found + done));
         }
     }
 
     fn finish(mut self) -> Vec<Warning> {
         if let more @ 1.. = self.found.saturating_sub(MOST) {
             let plural = if more == 1 { "" } else { "s" };
-            let message =
-                format!("and {more} more fault{plural} of the document, passed through as they are");
+            let done = if self.passed { ", passed through as they are" } else { "" };
+            let message = format!("and {more} more fault{plural} of the document{done}");
             self.warnings.push(Warning::new("faults", Place::File, message));
         }
         self.warnings

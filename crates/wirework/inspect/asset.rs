@@ -45,7 +45,11 @@ pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, Box<Ref
             facts.warnings = subject.warnings();
             match of_scene(gltf, rest, &mut facts) {
                 Ok(()) => facts,
-                Err(error) => return Err(refused(facts, error)),
+                Err(error) => {
+                    // Of a file that is refused nothing is repaired or passed through.
+                    let AssetFacts { warnings, .. } = outline(path, limits, &error);
+                    return Err(refused(AssetFacts { warnings, ..facts }, error));
+                }
             }
         }
     };
