@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
 
     // A crease is a wire: laid on the surface once, then as high as the moment says.
-    let laid = creases(&SurfaceView { positions: &mesh.positions, triangles: &triangles }, &settings)?;
+    let mut laid = creases(&SurfaceView { positions: &mesh.positions, triangles: &triangles }, &settings)?;
     let mut wires = Vec::new();
     laid.wires_at(1.0, &mut wires);
     let mut points = mesh.positions.clone();

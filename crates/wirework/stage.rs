@@ -191,7 +191,7 @@ impl Stage {
                 }
             }
             Action::Wrinkle(_) => {
-                if let Some(creases) = &self.creases {
+                if let Some(creases) = &mut self.creases {
                     creases.wires_at(seconds, &mut self.wires);
                 }
             }

@@ -1,7 +1,7 @@
 //! `units: Bounds`: positions in parts of the object's largest side, about its centre.
 
 use wirework_core::{Curve, Keyed, Lattice};
-use wirework_wrinkle::{Drawn, Layout, Motion, Pattern, Strain, Wrinkle};
+use wirework_wrinkle::{Curtain, Drawn, Layout, Motion, Pattern, Rail, Strain, Wrinkle};
 
 use crate::deform::Deform;
 use crate::preset::{Action, Effect};
@@ -96,6 +96,7 @@ impl BoundsFrame {
             Motion::Travelling { velocity } => Motion::Travelling {
                 velocity: velocity.map(|speed| near(f64::from(self.size) * f64::from(speed))),
             },
+            Motion::Curtain(ref curtain) => Motion::Curtain(Box::new(self.curtain(curtain))),
             ref other => other.clone(),
         };
         let drive = wrinkle
@@ -108,6 +109,17 @@ impl BoundsFrame {
             thickness: self.lengths(&wrinkle.thickness),
             intensity: self.lengths(&wrinkle.intensity),
             ..wrinkle.clone()
+        }
+    }
+
+    /// Accelerations are lengths, too: a curtain swings in the same time at any size.
+    fn curtain(&self, curtain: &Curtain) -> Curtain {
+        let rail = |rail: &Rail| Rail { curve: self.curve(&rail.curve), points: self.points(&rail.points) };
+        Curtain {
+            rail: curtain.rail.as_ref().map(rail),
+            gravity: self.vector(curtain.gravity),
+            wind: curtain.wind.map(|wind| self.vector(*wind)),
+            ..curtain.clone()
         }
     }
 

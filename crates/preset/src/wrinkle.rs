@@ -1,7 +1,9 @@
 //! \[SF98\] §5.1 as a preset: `Wrinkle(pattern: Tangential, creases: 5, thickness: .., ..)`.
 
 use wirework_core::Keyed;
-use wirework_wrinkle::{Branches, Drawn, Layout, Motion, Pattern, Strain, Wrinkle, WrinkleError};
+use wirework_wrinkle::{
+    Branches, Curtain, Drawn, Layout, Motion, Pattern, Rail, Strain, Wrinkle, WrinkleError,
+};
 
 use crate::curve::keyed_curve;
 use crate::deform::blend;
@@ -41,12 +43,15 @@ pub(crate) fn wrinkle(
     if compression.is_some() {
         unused(reader, fields, &["intensity"], "where `compression` sets the height");
     }
-    for (key, track) in [("intensity", &intensity), ("propagation", &propagation)] {
+    let motion = reader.field(fields, "motion", Motion::Anchored, |reader, node| motion(reader, node, clock));
+    let hangs = matches!(motion, Motion::Curtain(_));
+    for (key, track) in
+        [("intensity", &intensity), ("propagation", &propagation)].into_iter().filter(|_| !hangs)
+    {
         if let Some(node) = fields.again(key).filter(|_| track.values().all(|&value| value == 0.0)) {
             reader.within(key, |reader| reader.warn(&node.span, format!("with `{key}` 0 nothing moves")));
         }
     }
-    let motion = reader.field(fields, "motion", Motion::Anchored, motion);
     if motion != Motion::Anchored {
         clock.flows();
     }
@@ -77,6 +82,9 @@ fn whole(reader: &mut Reader<'_>, fields: &Fields<'_>, wrinkle: Wrinkle) -> Opti
     let (error, keys): (WrinkleError, &[&str]) = match wrinkle.check() {
         Err(error @ WrinkleError::TooMany { .. }) => (error, &["branches", "creases", "pattern"]),
         Err(error @ WrinkleError::DrivenMoves) => (error, &["motion", "pattern", "drive"]),
+        Err(error @ (WrinkleError::ClosedRopes | WrinkleError::Value { .. })) => {
+            (error, &["motion", "pattern"])
+        }
         _ => return Some(wrinkle),
     };
     let key = keys.iter().copied().find(|key| fields.again(key).is_some())?;
@@ -215,12 +223,19 @@ fn strain(reader: &mut Reader<'_>, node: &Node) -> Option<Strain> {
     Some(Strain { from, to, radius, settle })
 }
 
-/// `Anchored` or `Travelling(velocity: (along, across))`.
-fn motion(reader: &mut Reader<'_>, node: &Node) -> Option<Motion> {
-    if node.name() != Some("Travelling") {
-        let motions = [("Anchored", Some(Motion::Anchored)), ("Travelling", None)];
-        return reader.choice(node, "motion", &motions)?;
+/// `Anchored`, `Travelling(velocity: (along, across))` or `Curtain(..)`.
+fn motion(reader: &mut Reader<'_>, node: &Node, clock: &mut Clock) -> Option<Motion> {
+    match node.name() {
+        Some("Travelling") => travelling(reader, node),
+        Some("Curtain") => curtain(reader, node, clock).map(|curtain| Motion::Curtain(Box::new(curtain))),
+        _ => {
+            let motions = [("Anchored", Some(Motion::Anchored)), ("Travelling", None), ("Curtain", None)];
+            reader.choice(node, "motion", &motions)?
+        }
     }
+}
+
+fn travelling(reader: &mut Reader<'_>, node: &Node) -> Option<Motion> {
     let mut fields = reader.fields(node, "Travelling")?;
     let velocity = reader.required(&mut fields, "velocity", |reader, node| {
         let items: &[Node; 2] = reader.tuple(node, "metres a second `(along, across)`")?;
@@ -232,4 +247,42 @@ fn motion(reader: &mut Reader<'_>, node: &Node) -> Option<Motion> {
         reader.warn(&node.span, "with a velocity of 0 the creases stay");
     }
     Some(Motion::Travelling { velocity })
+}
+
+/// `Curtain(rail: None, gravity: (0, -9.81, 0), damping: 1.5, ..)`.
+fn curtain(reader: &mut Reader<'_>, node: &Node, clock: &mut Clock) -> Option<Curtain> {
+    let rest = Curtain::default();
+    if matches!(node.body, Body::Bare) {
+        return Some(rest);
+    }
+    let mut fields = reader.fields(node, "Curtain")?;
+    let rail = reader.optional(&mut fields, "rail", |reader, node| {
+        let (curve, points) = keyed_curve(reader, node)?;
+        let points = points.unwrap_or_else(|| Keyed::Constant(curve.points().to_vec()));
+        clock.track(&points);
+        Some(Rail { curve, points })
+    });
+    let wind = reader.field(&mut fields, "wind", rest.wind, |reader, node| {
+        let wind = reader.keyed(node, "a vector `(x, y, z)`", Reader::point)?;
+        clock.track(&wind);
+        Some(wind)
+    });
+    let curtain = Curtain {
+        rail,
+        wind,
+        gravity: reader.field(&mut fields, "gravity", rest.gravity, Reader::point),
+        damping: reader.field(&mut fields, "damping", rest.damping, |reader, node| {
+            reader.number(node, Within::NotNegative)
+        }),
+        gusts: reader
+            .field(&mut fields, "gusts", rest.gusts, |reader, node| reader.number(node, Within::Unit)),
+        stiffness: reader.field(&mut fields, "stiffness", rest.stiffness, |reader, node| {
+            reader.number(node, Within::Unit)
+        }),
+        settle: reader.field(&mut fields, "settle", rest.settle, |reader, node| {
+            reader.number(node, Within::NotNegative)
+        }),
+    };
+    reader.finish(fields);
+    Some(curtain)
 }

@@ -24,7 +24,7 @@ fn run(name: &str, times: &[f64]) -> (Mesh, Vec<Vec<[f32; 3]>>) {
         Action::Wrinkle(settings) => {
             let triangles = mesh.triangles().expect("triangles");
             let surface = SurfaceView { positions: &mesh.positions, triangles: &triangles };
-            let creases = creases(&surface, &settings).expect("creases");
+            let mut creases = creases(&surface, &settings).expect("creases");
             Box::new(move |seconds| {
                 let mut wires = Vec::new();
                 creases.wires_at(seconds, &mut wires);

@@ -14,9 +14,10 @@ use crate::crease::{Crease, Fineness, SPANS, SPANS_A_THICKNESS};
 use crate::ground::{Ground, wide};
 use crate::height::{MIN_SPANS_VARYING, height};
 use crate::pattern::{Lines, Prepared, lines, prepare};
+use crate::ropes::Ropes;
 use crate::strain::{Gauges, Record};
 use crate::trace::position;
-use crate::{SurfaceView, Wrinkle, WrinkleError, WrinkleWarning};
+use crate::{Motion, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning};
 
 /// Spans of all creases together: seconds of work and some 30 MB of wires. More is a thickness by mistake.
 pub(crate) const MOST_SPANS: usize = 1 << 18;
@@ -42,6 +43,9 @@ pub struct Creases {
     crests: Option<Crests>,
     gauges: Option<Gauges>,
     record: Record,
+    ropes: Option<Ropes>,
+    /// How far ropes hang from where they lie.
+    hang: Vec<Vec<DVec3>>,
     list: Vec<Crease>,
     warnings: Vec<WrinkleWarning>,
 }
@@ -68,6 +72,8 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
         crests: None,
         gauges: None,
         record: Record::default(),
+        ropes: None,
+        hang: Vec::new(),
         density,
         thickness,
         list: Vec::new(),
@@ -76,6 +82,7 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
     creases.list = creases.lay(&lines)?;
     creases.crests = creases.crests();
     creases.gauges = creases.gauges();
+    creases.ropes = creases.ropes();
     creases.warnings = lines.warnings;
     creases.warnings.extend(creases.coarse());
     creases.warnings.extend(creases.apart(surface));
@@ -158,7 +165,10 @@ impl Creases {
 
     /// The wires at `seconds`, one a crease, in place of what `wires` held. Their references are those that [`Creases::at`]
     /// was last asked for. Wires of an earlier moment are updated without allocating.
-    pub fn wires_at(&self, seconds: f64, wires: &mut Vec<Wire>) {
+    pub fn wires_at(&mut self, seconds: f64, wires: &mut Vec<Wire>) {
+        if let Some(ropes) = &mut self.ropes {
+            ropes.at(seconds, &mut self.hang);
+        }
         wires.truncate(self.list.len());
         for (i, crease) in self.list.iter().enumerate() {
             match wires.get_mut(i) {
@@ -173,8 +183,9 @@ impl Creases {
         let radius = settings.thickness.at(seconds);
         let resistance = f64::from(settings.resistance);
         let mut first = 0;
-        for (wire, crease) in wires.iter_mut().zip(&self.list) {
+        for (index, (wire, crease)) in wires.iter_mut().zip(&self.list).enumerate() {
             wire.radius = radius;
+            let hang = self.hang.get(index).map_or(&[][..], Vec::as_slice);
             let raised = |node: usize| match &settings.drive {
                 Some(strain) => self.record.raise(strain, seconds, first + node),
                 None => 1.0,
@@ -191,7 +202,8 @@ impl Creases {
             wire.pose.clear();
             wire.pose.extend(points.map(|(node, (p, lift))| {
                 let rise = rise(node);
-                [0, 1, 2].map(|a| (f64::from(p[a]) + f64::from(lift[a]) * rise) as f32)
+                let hang = hang.get(node).copied().unwrap_or_default();
+                [0, 1, 2].map(|a| (f64::from(p[a]) + f64::from(lift[a]) * rise + hang[a]) as f32)
             }));
             first += crease.fractions.len();
         }
@@ -263,6 +275,14 @@ impl Creases {
         let least = f64::from(self.thickness) / spacings().copied().fold(0.0, f64::max);
         let ratios = (least.max(1e-6), most.clamp(1e-6, 1e3));
         Some(Crests::new(compression, &self.density, &self.settings.blend, ratios))
+    }
+
+    /// The creases as ropes, if they are to hang.
+    fn ropes(&self) -> Option<Ropes> {
+        let Motion::Curtain(curtain) = &self.settings.motion else { return None };
+        let line = |crease: &Crease| crease.reference.points().iter().map(|p| wide(*p)).collect();
+        let lines: Vec<Vec<DVec3>> = self.list.iter().map(line).collect();
+        Some(Ropes::new(&lines, curtain, self.settings.seed))
     }
 
     fn gauges(&self) -> Option<Gauges> {

@@ -18,7 +18,7 @@ fn lay(mesh: &Mesh, settings: &Wrinkle) -> Result<Creases, WrinkleError> {
 
 fn wires(creases: &Creases, seconds: f64) -> Vec<Wire> {
     let mut wires = vec![];
-    creases.wires_at(seconds, &mut wires);
+    creases.clone().wires_at(seconds, &mut wires);
     wires
 }
 

@@ -4,7 +4,7 @@ use thiserror::Error;
 use wirework_core::{Blend, Curve, Keyed};
 use wirework_surface::NearestError;
 
-use crate::Strain;
+use crate::{Curtain, Strain};
 
 /// Creases of a pattern at most, branches included: each has 8 spans at least.
 pub(crate) const MOST_CREASES: usize = crate::creases::MOST_SPANS / 8;
@@ -101,6 +101,9 @@ pub enum Motion {
         /// centre. Radial creases move with their centre, drawn ones each along itself and across.
         velocity: [f32; 2],
     },
+    /// Their references stay, and the wires hang from their origins as ropes: \[SF98\] Figure 16. `intensity` lifts them off the
+    /// surface besides. Not for closed creases.
+    Curtain(Box<Curtain>),
 }
 
 impl From<Curve> for Drawn {
@@ -176,6 +179,15 @@ impl Wrinkle {
                 return Err(WrinkleError::DrivenMoves);
             }
         }
+        if let Motion::Curtain(curtain) = &self.motion {
+            curtain.check()?;
+            let closed = |curves: &[Drawn]| curves.iter().any(|drawn| drawn.curve.closed());
+            if matches!(&self.pattern, Pattern::Ripple(_))
+                || matches!(&self.pattern, Pattern::Drawn(curves) if closed(curves))
+            {
+                return Err(WrinkleError::ClosedRopes);
+            }
+        }
         self.check_pattern()
     }
 
@@ -238,7 +250,7 @@ impl Wrinkle {
             |drawn: &Drawn| drawn.points.as_ref().is_some_and(|points| points.values().nth(1).is_some());
         let travels = match self.motion {
             Motion::Travelling { velocity } => velocity != [0.0; 2],
-            Motion::Anchored => false,
+            Motion::Anchored | Motion::Curtain(_) => false,
         };
         travels || matches!(&self.pattern, Pattern::Drawn(curves) if curves.iter().any(keyed))
     }
@@ -296,6 +308,11 @@ pub enum WrinkleError {
     /// What compression raises is read where creases lie, and these move.
     #[error("creases that `drive` raises stay where they are: they cannot travel or be keyed")]
     DrivenMoves,
+    /// Creases that are to hang have no end to hang from.
+    #[error(
+        "creases of a curtain hang from their first end: closed ones, such as those of a ripple, have none"
+    )]
+    ClosedRopes,
     /// The pattern has no creases.
     #[error("a pattern needs at least one crease")]
     NoCreases,

@@ -24,7 +24,7 @@ fn map(mesh: &Mesh, f: impl Fn([f32; 3]) -> [f32; 3]) -> Vec<[f32; 3]> {
 /// The highest point of all wires.
 fn highest(creases: &Creases, seconds: f64) -> f32 {
     let mut wires = Vec::new();
-    creases.wires_at(seconds, &mut wires);
+    creases.clone().wires_at(seconds, &mut wires);
     wires.iter().flat_map(|wire| &wire.pose).fold(0.0, |high, p| high.max(p[1]))
 }
 
@@ -74,7 +74,7 @@ fn creases_rise_where_the_surface_is_pushed_together() {
     let half =
         laid.at_once(&mesh.positions, &map(&mesh, |[x, y, z]| [if x > 0.0 { 0.6 * x } else { x }, y, z]));
     let mut wires = Vec::new();
-    half.wires_at(0.0, &mut wires);
+    half.clone().wires_at(0.0, &mut wires);
     for wire in &wires {
         let risen = wire.pose[0][1] > 0.049;
         assert_eq!(risen, wire.reference.points()[0][0] > 0.0, "{:?}", wire.reference.points()[0]);
@@ -98,7 +98,7 @@ fn a_bent_tube_wrinkles_on_its_inside() {
         let heights = |laid: &Creases| {
             let driven = laid.at_once(&mesh.positions, &bent);
             let mut wires = Vec::new();
-            driven.wires_at(0.0, &mut wires);
+            driven.clone().wires_at(0.0, &mut wires);
             let nodes = wires.iter().flat_map(|w| w.reference.points().iter().zip(&w.pose));
             nodes.map(|(r, p)| (r[0], wide(*p).distance(wide(*r)))).collect::<Vec<_>>()
         };
