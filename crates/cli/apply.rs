@@ -15,7 +15,8 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     let report_file = args.report.as_deref().filter(|path| *path != Path::new("-"));
     // A run that fails leaves what stood there.
     report_file.map_or(Ok(()), check_output).map_err(JobError::from)?;
-    let preset = presets::read(console, &args.preset, &args.limits.preset(), args.strict)?;
+    let preset =
+        presets::read(console, &args.preset, &args.limits.preset(args.input.is_some()), args.strict)?;
     let job = Job {
         input: args.input.as_deref(),
         output: args.output.as_deref(),

@@ -33,7 +33,7 @@ pub(crate) fn run(console: Console, args: &Check) -> Result<(), Failure> {
 
 fn one(console: Console, path: &Path, model: Option<&Subject>, args: &Check) -> Result<String, Failure> {
     refuse_model(path)?;
-    let preset = presets::read(console, path, &args.limits.preset(), args.strict)?;
+    let preset = presets::read(console, path, &args.limits.preset(model.is_some()), args.strict)?;
     let Doubts { missing, warnings } = fit(&preset, path, model, args).map_err(|error| {
         let mut failure = diagnostics::fail(console, &preset, error);
         failure.message = failure.message.map(|message| format!("{}: {message}", printable(&preset.file)));

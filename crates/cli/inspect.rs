@@ -13,23 +13,19 @@ use crate::presets;
 
 pub(crate) fn run(console: Console, args: &Inspect) -> Result<(), Failure> {
     if presets::is_preset(&args.file) {
-        let preset = presets::read(console, &args.file, &args.limits.preset(), false)?;
+        let preset = presets::read(console, &args.file, &args.limits.preset(false), false)?;
         let facts = PresetFacts::of(&preset.parsed);
         return print(if args.json { json(&facts)? } else { preset_table(&facts) }.as_bytes());
     }
-    let facts = match inspect_asset(&args.file, &args.limits.asset()) {
-        Ok(facts) => facts,
-        Err(error) => {
-            if args.json {
-                print(json(&AssetFacts::of_refused(&error))?.as_bytes())?;
-            }
-            return Err(error.into());
-        }
+    let (facts, error) = match inspect_asset(&args.file, &args.limits.asset()) {
+        Ok(facts) => (facts, None),
+        Err(refused) => (refused.facts, Some(refused.error)),
     };
     for warning in &facts.warnings {
         console.warn(warning);
     }
-    print(if args.json { json(&facts)? } else { asset_table(&facts) }.as_bytes())
+    print(if args.json { json(&facts)? } else { asset_table(&facts) }.as_bytes())?;
+    error.map_or(Ok(()), |error| Err(error.into()))
 }
 
 fn json(facts: &impl Serialize) -> Result<String, Failure> {
@@ -75,7 +71,8 @@ fn share(n: usize, all: usize, what: &str) -> String {
 }
 
 fn part_line(part: &PartFacts) -> String {
-    format!("{}: {}", named(part.name.as_deref()), of(part.vertices, "vertex", "vertices"))
+    let vertices = part.vertices.map(|vertices| format!(": {}", of(vertices, "vertex", "vertices")));
+    named(part.name.as_deref()) + &vertices.unwrap_or_default()
 }
 
 /// What a node shows, and what hangs on it.
@@ -105,16 +102,21 @@ fn rounded(x: f32) -> String {
 
 fn asset_table(facts: &AssetFacts) -> String {
     let mut table = Table::default();
-    table.row("container", facts.container);
-    let shown = [of(facts.vertices, "vertex", "vertices"), of(facts.triangles, "triangle", "triangles")];
-    table.row("shown", &shown.join(", "));
+    let obj = facts.container == Some("obj");
+    if let Some(container) = facts.container {
+        table.row("container", container);
+    }
+    if let (Some(vertices), Some(triangles)) = (facts.vertices, facts.triangles) {
+        let shown = [of(vertices, "vertex", "vertices"), of(triangles, "triangle", "triangles")];
+        table.row("shown", &shown.join(", "));
+    }
     if let Some(bounds) = facts.bounds {
         // Adding 0 makes −0 equal to 0.
         let corner = |p: [f32; 3]| format!("({}, {}, {})", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0);
         table.row("bounds", &format!("{} to {}", corner(bounds.min), corner(bounds.max)));
     }
-    if facts.container != "obj" {
-        table.row("nodes", &facts.nodes.to_string());
+    if let Some(nodes) = facts.nodes {
+        table.row("nodes", &nodes.to_string());
     }
     for node in &facts.selectable_nodes {
         table.row(&format!("node {}", node.node), &node_line(node));
@@ -135,7 +137,7 @@ fn asset_table(facts: &AssetFacts) -> String {
     });
     for (index, material) in facts.materials.iter().enumerate() {
         // An OBJ numbers none.
-        let number = if facts.container == "obj" { String::new() } else { format!(" {index}") };
+        let number = if obj { String::new() } else { format!(" {index}") };
         table.row(&format!("material{number}"), &part_line(material));
     }
     table.rows("skin", &facts.skins, |skin| {
@@ -150,6 +152,9 @@ fn asset_table(facts: &AssetFacts) -> String {
             let names: Vec<String> = list.iter().map(|name| printable(name)).collect();
             table.row(name, &names.join(", "));
         }
+    }
+    if let Some(refused) = &facts.refused {
+        table.row("refused", refused);
     }
     table.0
 }

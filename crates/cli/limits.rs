@@ -19,12 +19,12 @@ impl LimitArgs {
         }
     }
 
-    /// Of presets.
-    pub(crate) fn preset(&self) -> preset::Limits {
+    /// Of presets. Where a model is `replacing` the preset's object that is never built, and as large as it likes.
+    pub(crate) fn preset(&self, replacing: bool) -> preset::Limits {
         let own = preset::Limits::default();
         preset::Limits {
             bytes: self.max_preset_bytes.unwrap_or(own.bytes),
-            vertices: self.max_vertices.unwrap_or(own.vertices),
+            vertices: if replacing { u64::MAX } else { self.max_vertices.unwrap_or(own.vertices) },
         }
     }
 }

@@ -11,7 +11,8 @@ use crate::{diagnostics, presets};
 pub(crate) fn run(console: Console, args: &Render) -> Result<(), Failure> {
     // What is no model by its name or its first bytes is a preset.
     if presets::is_preset(&args.shown) || FileKind::of(&args.shown).is_none() {
-        let preset = presets::read(console, &args.shown, &args.limits.preset(), args.strict)?;
+        let preset =
+            presets::read(console, &args.shown, &args.limits.preset(args.input.is_some()), args.strict)?;
         let shown = Shown::Preset {
             preset: &preset.parsed.preset,
             path: presets::named(&args.shown),

@@ -260,7 +260,7 @@ impl<'a> Evaluation<'a> {
     }
 }
 
-/// What `units: Bounds` are parts of.
+/// What `units: Bounds` are parts of; it has an extent or not.
 pub(crate) fn bounds_frame(bounds: Option<Bounds>) -> BoundsFrame {
     bounds.map_or(BoundsFrame { center: [0.0; 3], size: 0.0 }, |bounds| BoundsFrame {
         center: bounds.center(),
@@ -269,7 +269,7 @@ pub(crate) fn bounds_frame(bounds: Option<Bounds>) -> BoundsFrame {
 }
 
 /// Whether there is a size to count in.
-fn has_extent(frame: &BoundsFrame) -> bool {
+pub(crate) fn has_extent(frame: &BoundsFrame) -> bool {
     frame.size > 0.0 && frame.size.is_finite() && frame.center.iter().all(|c| c.is_finite())
 }
 

@@ -1,38 +1,28 @@
 //! What is in an asset or a preset, as plain facts.
 
+mod asset;
 mod parts;
 
-use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::Read;
-use std::path::Path;
-
 use serde::Serialize;
-use serde_json::Value;
-use wirework_asset::{Gltf, Limits};
 use wirework_preset::{Action, Effect, Mask, Object, Only, Parsed, PatchDeform, Shape, Units};
-use wirework_surface::Bounds;
 
-use crate::JobError;
-use crate::subject::{Model, Subject};
-
+pub use asset::{RefusedAsset, inspect_asset};
 pub use parts::{NodeFacts, PartFacts};
-use parts::{broken_colors, groups, materials, named_parts, nodes, of_mesh};
 
 /// What is in a glTF or OBJ file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct AssetFacts {
-    /// `glb`, `gltf` or `obj`.
-    pub container: &'static str,
-    /// Vertices that the scene shows, a mesh once for each of its nodes.
-    pub vertices: usize,
+    /// `glb`, `gltf` or `obj`; none where it is none of them.
+    pub container: Option<&'static str>,
+    /// Vertices that the scene shows, a mesh once for each of its nodes. None where the file is refused before.
+    pub vertices: Option<usize>,
     /// Triangles that it shows.
-    pub triangles: usize,
+    pub triangles: Option<usize>,
     /// The box round what is shown at rest, in world space.
     pub bounds: Option<BoundsFacts>,
-    /// Nodes of the document.
-    pub nodes: usize,
+    /// Nodes of the document; an OBJ has none.
+    pub nodes: Option<usize>,
     /// Those of them that `only` of a preset can name to some effect.
     pub selectable_nodes: Vec<NodeFacts>,
     /// Objects and groups of an OBJ, which are its nodes; without any the file is one, with its own name.
@@ -51,15 +41,8 @@ pub struct AssetFacts {
     pub extensions_required: Vec<String>,
     /// What is not right, and what is done about it.
     pub warnings: Vec<String>,
-    /// Why effects refuse it; nothing else is known then.
+    /// Why effects refuse it; of the rest there is what can be told nevertheless.
     pub refused: Option<String>,
-}
-
-impl AssetFacts {
-    /// The facts of a file that [`inspect_asset`] refuses.
-    pub fn of_refused(error: &JobError) -> Self {
-        Self { refused: Some(error.to_string()), ..Self::default() }
-    }
 }
 
 /// A box.
@@ -112,117 +95,6 @@ pub struct AnimationFacts {
     pub channels: usize,
     /// The time of its last key, seconds.
     pub duration: f64,
-}
-
-/// Reads an asset, its geometry too, and tells what is in it.
-///
-/// # Errors
-///
-/// As [`Subject::read`].
-pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, JobError> {
-    let subject = Subject::read(path, limits)?;
-    let mut warnings = subject.warnings();
-    let mut facts = match &subject.model {
-        Model::Mesh { mesh, name, obj } => AssetFacts {
-            container: "obj",
-            meshes: vec![of_mesh(mesh, obj.as_deref(), subject.triangles.len(), &mut warnings)],
-            groups: groups(name, mesh, obj.as_deref()),
-            materials: obj.as_ref().map_or_else(Vec::new, |obj| named_parts(obj.material_census())),
-            ..AssetFacts::default()
-        },
-        Model::Gltf { gltf, rest } => AssetFacts {
-            selectable_nodes: nodes(gltf, rest)?,
-            materials: materials(gltf, rest)?,
-            ..of_document(gltf, path)
-        },
-    };
-    if let Model::Gltf { gltf, rest } = &subject.model
-        && facts.meshes.iter().any(|mesh| mesh.colored_vertices > 0)
-    {
-        warnings.extend(gltf.colors(rest).err().map(|error| broken_colors(&error)));
-    }
-    facts.vertices = subject.position_count();
-    facts.triangles = subject.triangles.len();
-    facts.bounds = Bounds::of(&subject.points).map(|b| BoundsFacts { min: b.min, max: b.max });
-    facts.warnings = warnings;
-    Ok(facts)
-}
-
-fn of_document(gltf: &Gltf, path: &Path) -> AssetFacts {
-    let json = gltf.json();
-    let names =
-        |key: &str| list(json, key).iter().filter_map(|name| name.as_str().map(str::to_owned)).collect();
-    let skin = |skin: &Value| SkinFacts { name: name(skin), joints: list(skin, "joints").len() };
-    let mut magic = [0; 4];
-    let binary =
-        File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok_and(|()| &magic == b"glTF");
-    AssetFacts {
-        container: if binary { "glb" } else { "gltf" },
-        nodes: gltf.node_count(),
-        meshes: list(json, "meshes").iter().map(|mesh| of_gltf_mesh(json, mesh)).collect(),
-        skins: list(json, "skins").iter().map(skin).collect(),
-        animations: list(json, "animations").iter().map(|animation| of_animation(json, animation)).collect(),
-        extensions_used: names("extensionsUsed"),
-        extensions_required: names("extensionsRequired"),
-        ..AssetFacts::default()
-    }
-}
-
-fn of_gltf_mesh(json: &Value, mesh: &Value) -> MeshFacts {
-    let count = |accessor: Option<usize>| {
-        let accessor = accessor.and_then(|index| list(json, "accessors").get(index));
-        accessor.and_then(|accessor| number(accessor, "count")).unwrap_or(0)
-    };
-    let primitives = list(mesh, "primitives");
-    let mut facts = MeshFacts { name: name(mesh), primitives: primitives.len(), ..MeshFacts::default() };
-    // Positions, each with whether a primitive has colours or texture coordinates for them.
-    let mut seen: BTreeMap<Option<usize>, (bool, bool)> = BTreeMap::new();
-    for primitive in primitives {
-        let attribute = |key| primitive.get("attributes").and_then(|attributes| number(attributes, key));
-        let position = attribute("POSITION");
-        let (colored, mapped) = seen.entry(position).or_default();
-        *colored |= attribute("COLOR_0").is_some();
-        *mapped |= attribute("TEXCOORD_0").is_some();
-        let corners =
-            number(primitive, "indices").map_or_else(|| count(position), |index| count(Some(index)));
-        facts.triangles += match number(primitive, "mode").unwrap_or(4) {
-            4 => corners / 3,
-            5 | 6 => corners.saturating_sub(2),
-            _ => 0,
-        };
-        facts.morph_targets = facts.morph_targets.max(list(primitive, "targets").len());
-    }
-    for (position, (colored, mapped)) in seen {
-        let vertices = count(position);
-        facts.vertices += vertices;
-        facts.colored_vertices += if colored { vertices } else { 0 };
-        facts.mapped_vertices += if mapped { vertices } else { 0 };
-    }
-    facts
-}
-
-fn of_animation(json: &Value, animation: &Value) -> AnimationFacts {
-    let end = |sampler: &Value| {
-        let input = list(json, "accessors").get(number(sampler, "input")?)?;
-        list(input, "max").first()?.as_f64()
-    };
-    AnimationFacts {
-        name: name(animation),
-        channels: list(animation, "channels").len(),
-        duration: list(animation, "samplers").iter().filter_map(end).fold(0.0, f64::max),
-    }
-}
-
-fn list<'a>(json: &'a Value, key: &str) -> &'a [Value] {
-    json.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
-}
-
-fn name(json: &Value) -> Option<String> {
-    json.get("name")?.as_str().map(str::to_owned)
-}
-
-fn number(json: &Value, key: &str) -> Option<usize> {
-    json.get(key)?.as_u64()?.try_into().ok()
 }
 
 /// What is in a preset.

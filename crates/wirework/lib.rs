@@ -158,7 +158,7 @@ pub use error::{Fault, JobError};
 pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{
     AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts, PresetFacts,
-    SkinFacts, inspect_asset,
+    RefusedAsset, SkinFacts, inspect_asset,
 };
 pub use mask::check_images;
 pub use net::ControlNet;

@@ -133,7 +133,12 @@ fn every_failure_has_its_exit_code() {
         let done = place.run(line);
         let err = done.err();
         assert_eq!(done.code(), code, "{line}: {err}");
-        assert!(!err.is_empty() && done.out().is_empty(), "{line}: what is said is on standard error");
+        // What can be told of a model was asked for.
+        let asked = line.starts_with("inspect") && code == 3;
+        assert!(
+            !err.is_empty() && (asked || done.out().is_empty()),
+            "{line}: what is said is on standard error"
+        );
         assert!(!err.contains("has a bug"), "{line}: {err}");
         assert!(code != 5 || err.contains("--max-"), "{line}: which flag raises the limit? {err}");
         assert_eq!(place.files(), before, "{line}: nothing is written");
@@ -251,4 +256,25 @@ fn a_report_never_takes_the_place_of_anything() {
         place.run("apply lift.ron -o out.glb --report out.json").expect(0);
     }
     assert!(place.read("out.json").starts_with(b"{"));
+}
+
+#[test]
+fn the_object_that_a_model_replaces_may_be_as_large_as_it_likes() {
+    let place = place();
+    for (line, own) in [
+        ("apply lift.ron {} -o out.glb --at 1", "apply lift.ron -o out.glb --at 1"),
+        (
+            "render lift.ron {} -o out.png --at 1 --fast --size 32x32",
+            "render lift.ron -o out.png --at 1 --fast --size 32x32",
+        ),
+        ("check lift.ron --on {}", "check lift.ron"),
+    ] {
+        let on =
+            |limit: u32| place.run(&format!("{} --max-vertices {limit}", line.replace("{}", "triangle.obj")));
+        on(3).expect(0);
+        // The model is not.
+        assert!(on(2).expect(5).err().contains("triangle.obj"), "{line}");
+        let err = place.run(&format!("{own} --max-vertices 3")).expect(5).err();
+        assert!(err.contains("lift.ron:2:13") && err.contains("--max-vertices raises it"), "{err}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::make::{Doc, skinned};
+use crate::make::{Doc, skinned, triangle};
 use crate::place::{Place, shared};
 
 /// The JSON and the lines of a file.
@@ -166,7 +166,8 @@ fn what_apply_refuses_inspect_refuses_in_the_same_words() {
             "{applied}"
         );
         let table = place.run(&format!("inspect {name} --max-vertices 300")).expect(code);
-        assert_eq!((table.err(), table.out()), (applied.clone(), String::new()), "{name}");
+        let last = format!("refused      {}", applied.trim_start_matches("error: "));
+        assert!(table.err() == applied && table.out().ends_with(&last), "{name}: {}", table.out());
         let json = place.run(&format!("inspect {name} --json --max-vertices 300")).expect(code);
         let facts: Value = serde_json::from_str(&json.out()).unwrap();
         assert_eq!(
@@ -176,6 +177,85 @@ fn what_apply_refuses_inspect_refuses_in_the_same_words() {
     }
     place.write("fine.glb", character().glb());
     assert_eq!(inspect(&place, "fine.glb").0["refused"], Value::Null);
+}
+
+#[test]
+fn what_can_be_told_of_a_refused_file_is_told() {
+    let place = Place::new();
+    let mut doc = character();
+    doc.json["cameras"] = json!([{}]);
+    doc.json["skins"][0]["name"] = json!("bones");
+    doc.json["animations"] = json!([{ "name": "walk", "channels": [], "samplers": [] }]);
+    // Where the work ends: a required extension, a buffer, geometry.
+    let (mut packed, mut lost, mut long) = (doc.json.clone(), doc.json.clone(), doc.json.clone());
+    packed["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    lost["buffers"] = json!([{ "uri": "none.bin", "byteLength": 4 }]);
+    long["accessors"][1]["count"] = json!(9999);
+    for (name, json) in [("packed.glb", packed), ("lost.gltf", lost), ("long.glb", long)] {
+        let bytes = if name.ends_with("glb") {
+            Doc { json, bin: doc.bin.clone() }.glb()
+        } else {
+            json.to_string().into_bytes()
+        };
+        place.write(name, bytes);
+        let done = place.run_with(["inspect", name, "--json"], b"").expect(3);
+        let facts: Value = serde_json::from_str(&done.out()).unwrap();
+        assert_eq!(facts["container"], name.rsplit_once('.').unwrap().1, "{name}");
+        for (key, value) in [
+            ("nodes", json!(6)),
+            ("vertices", Value::Null),
+            ("bounds", Value::Null),
+            ("materials", json!([{ "name": "spare", "vertices": null }, { "name": null, "vertices": null }])),
+            ("skins", json!([{ "name": "bones", "joints": 2 }])),
+            ("animations", json!([{ "name": "walk", "channels": 0, "duration": 0.0 }])),
+        ] {
+            assert_eq!(facts[key], value, "{name}: {key}");
+        }
+        assert_eq!(facts["meshes"][1]["mapped_vertices"], json!(3), "{name}");
+        // Besides why it is refused, which is told once; there is no output to which it could pass.
+        let missing =
+            format!("{name}: /cameras/0: found no \"type\", expected the property \"type\" [missing]");
+        assert_eq!(facts["warnings"], json!([missing]), "{name}");
+        let table = place.run_with(["inspect", name], b"").expect(3);
+        for line in ["nodes        6", "material 0   \"spare\"", "skin 0       \"bones\": 2 joints"] {
+            assert!(table.out().lines().any(|found| found == line), "{line} in\n{}", table.out());
+        }
+        assert!(!table.out().contains("shown "), "{}", table.out());
+    }
+    // Of another version nothing is known but its name.
+    place.write("old.gltf", r#"{"asset": {"version": "1.0"}, "nodes": {"a": {}}, "buffers": {"b": {}}}"#);
+    let facts = place.run_with(["inspect", "old.gltf", "--json"], b"").expect(3).out();
+    let facts: Value = serde_json::from_str(&facts).unwrap();
+    assert_eq!((&facts["container"], &facts["warnings"]), (&json!("gltf"), &json!([])));
+}
+
+#[test]
+fn what_effects_will_say_of_a_model_is_said() {
+    let place = Place::new();
+    place.write(
+        "bounds.ron",
+        "Deform(units: Bounds, wires: [Wire(curve: Polyline(points: [(0, 0, 0), (1, 0, 0)]), radius: 9, \
+         twist: Keys([(0, 0), (1, 9)]))])",
+    );
+    let mut many = triangle(json!({}));
+    let delta = many.floats("VEC3", &[0.5; 9]);
+    many.json["meshes"][0]["primitives"][0]["targets"] =
+        Value::Array(vec![json!({ "POSITION": delta }); 240]);
+    place.write("many.glb", many.glb());
+    place.write("one.obj", "v 1 2 3\nv 1 2 3\n");
+    let mut flat = triangle(json!({ "scale": [0, 0, 0] }));
+    flat.json["accessors"][0]["min"] = json!([0, 0, 0]);
+    flat.json["accessors"][0]["max"] = json!([1, 1, 0]);
+    place.write("one.glb", flat.glb());
+    for (file, code, tag) in [("many.glb", 0, "own-targets"), ("one.obj", 3, ""), ("one.glb", 3, "")] {
+        let applied = place.run(&format!("apply bounds.ron {file} --dry-run --fps 4")).expect(code).err();
+        let facts = inspect(&place, file).0;
+        let warnings = facts["warnings"].as_array().unwrap();
+        let told = |tag: &str| warnings.iter().filter(|w| w.as_str().unwrap().ends_with(tag)).count();
+        assert_eq!(told("[own-targets]"), usize::from(tag == "own-targets"), "{file}: {warnings:?}");
+        assert_eq!(told("[no-extent]"), usize::from(code == 3), "{file}: {warnings:?}");
+        assert!(applied.contains(tag) && applied.contains("extent") == (code == 3), "{file}: {applied}");
+    }
 }
 
 #[test]

@@ -77,6 +77,8 @@ fn allowed(difference: &Difference, old: &Document, glb_out: bool) -> bool {
         // The morph targets of a mesh, their default weights and their names.
         | ["meshes", _, "primitives", _, "targets"]
         | ["meshes", _, "primitives", _, "targets", _]
+        // Zeros of what other targets of the primitive have.
+        | ["meshes", _, "primitives", _, "targets", _, "POSITION" | "NORMAL" | "TANGENT"]
         | ["meshes" | "nodes", _, "weights", _]
         | ["meshes", _, "weights" | "extras"]
         | ["meshes", _, "extras", "targetNames"]

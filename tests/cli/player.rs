@@ -69,7 +69,7 @@ impl Moment<'_> {
 
     fn pose(&self, skin: usize, attributes: &Value, worlds: &[DMat4], positions: &mut [DVec3]) {
         let skin = &self.document.json["skins"][skin];
-        let inverse = skin.get("inverseBindMatrices").map(|reference| self.accessor(reference));
+        let inverse = skin.get("inverseBindMatrices").map(|reference| self.document.elements(reference));
         let joint = |(k, node): (usize, &Value)| {
             let bind = inverse.as_ref().map_or(DMat4::IDENTITY, |all| DMat4::from_cols_slice(&all[k]));
             worlds[node.as_u64().unwrap() as usize] * bind
@@ -78,7 +78,7 @@ impl Moment<'_> {
         let mut matrices = vec![DMat4::ZERO; positions.len()];
         for set in (0..).take_while(|set| attributes.get(format!("JOINTS_{set}")).is_some()) {
             let [which, weights] =
-                ["JOINTS", "WEIGHTS"].map(|key| self.accessor(&attributes[format!("{key}_{set}")]));
+                ["JOINTS", "WEIGHTS"].map(|key| self.document.elements(&attributes[format!("{key}_{set}")]));
             for (matrix, (which, weights)) in matrices.iter_mut().zip(which.iter().zip(&weights)) {
                 which
                     .iter()
@@ -103,7 +103,7 @@ impl Moment<'_> {
         };
         let Some(channel) = list(clip, "channels").iter().find(ours) else { return rest };
         let sampler = &clip["samplers"][channel["sampler"].as_u64().unwrap() as usize];
-        let [times, values] = ["input", "output"].map(|key| self.accessor(&sampler[key]).concat());
+        let [times, values] = ["input", "output"].map(|key| self.document.elements(&sampler[key]).concat());
         let lanes = values.len() / times.len();
         let key = times.iter().rposition(|&time| time <= seconds).unwrap_or(0);
         let next = (key + 1).min(times.len() - 1);
@@ -114,62 +114,8 @@ impl Moment<'_> {
     }
 
     fn vectors(&self, reference: &Value) -> Vec<DVec3> {
-        self.accessor(reference).iter().map(|element| DVec3::from_slice(element)).collect()
+        self.document.elements(reference).iter().map(|element| DVec3::from_slice(element)).collect()
     }
-
-    /// The elements of an accessor.
-    fn accessor(&self, reference: &Value) -> Vec<Vec<f64>> {
-        let json = &self.document.json["accessors"][reference.as_u64().expect("an accessor") as usize];
-        let number = |json: &Value, key: &str| json[key].as_u64().unwrap_or(0) as usize;
-        let lanes = match json["type"].as_str().unwrap() {
-            "SCALAR" => 1,
-            "VEC2" => 2,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            "MAT4" => 16,
-            other => panic!("{other}"),
-        };
-        let (kind, normalized) = (number(json, "componentType"), json["normalized"] == true);
-        let size = component(kind, false, &[0; 4]).1;
-        let read =
-            |place: &Value, count: usize, kind: usize, lanes: usize, normalized: bool| -> Vec<Vec<f64>> {
-                let view = number(place, "bufferView");
-                let size = component(kind, false, &[0; 4]).1;
-                let stride = self.document.json["bufferViews"][view]["byteStride"].as_u64();
-                let stride = stride.map_or(size * lanes, |stride| stride as usize);
-                let bytes = &self.document.view(view)[number(place, "byteOffset")..];
-                let lane =
-                    |i: usize, k: usize| component(kind, normalized, &bytes[i * stride + k * size..]).0;
-                (0..count).map(|i| (0..lanes).map(|k| lane(i, k)).collect()).collect()
-            };
-        let count = number(json, "count");
-        let mut out = vec![vec![0.0; lanes]; count];
-        if json.get("bufferView").is_some() {
-            assert!(size > 0);
-            out = read(json, count, kind, lanes, normalized);
-        }
-        if let Some(sparse) = json.get("sparse") {
-            let count = number(sparse, "count");
-            let which =
-                read(&sparse["indices"], count, number(&sparse["indices"], "componentType"), 1, false);
-            let values = read(&sparse["values"], count, kind, lanes, normalized);
-            which.iter().zip(values).for_each(|(i, value)| out[i[0] as usize] = value);
-        }
-        out
-    }
-}
-
-/// The component that `bytes` start with, and its size.
-fn component(kind: usize, normalized: bool, bytes: &[u8]) -> (f64, usize) {
-    let (value, size, most) = match kind {
-        5120 => (f64::from(bytes[0].cast_signed()), 1, 127.0),
-        5121 => (f64::from(bytes[0]), 1, 255.0),
-        5122 => (f64::from(i16::from_le_bytes([bytes[0], bytes[1]])), 2, 32_767.0),
-        5123 => (f64::from(u16::from_le_bytes([bytes[0], bytes[1]])), 2, 65_535.0),
-        5125 => (f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])), 4, 1.0),
-        _ => (f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])), 4, 1.0),
-    };
-    (if normalized { (value / most).max(-1.0) } else { value }, size)
 }
 
 fn numbers(json: &Value) -> Vec<f64> {

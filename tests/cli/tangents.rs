@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use crate::document::Document;
 use crate::make::Doc;
 use crate::oracle::{self, Shown};
 use crate::place::Place;
@@ -205,5 +206,114 @@ fn without_a_normal_map_no_tangents_are_morphed() {
         assert!(
             targets.iter().all(|target| target.get("TANGENT").is_none() && target.get("NORMAL").is_some())
         );
+    }
+}
+
+/// The gutter with a normal map on each half, on the second set of coordinates and on the first: either set runs over its own half
+/// only, and both halves share all vertices.
+fn two_sets() -> Doc {
+    let mut doc = gutter();
+    doc.json["materials"][1] = json!({ "normalTexture": { "index": 0 } });
+    let attributes = doc.json["meshes"][0]["primitives"][0]["attributes"].clone();
+    let [first, second] = ["TEXCOORD_0", "TEXCOORD_1"].map(|key| {
+        let accessor = &doc.json["accessors"][attributes[key].as_u64().unwrap() as usize];
+        let view = &doc.json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+        view["byteOffset"].as_u64().unwrap() as usize
+    });
+    for vertex in (ROWS / 2 + 1) * COLUMNS..ROWS * COLUMNS {
+        let [plain, aslant] = [first, second].map(|start| start + 8 * vertex);
+        let own: [u8; 8] = doc.bin[aslant..aslant + 8].try_into().unwrap();
+        doc.bin.copy_within(plain..plain + 8, aslant);
+        doc.bin[plain..plain + 8].copy_from_slice(&own);
+    }
+    doc
+}
+
+#[test]
+fn each_primitive_of_a_shared_block_has_its_own_set_of_coordinates() {
+    let place = Place::new();
+    place.write("rise.ron", RISE);
+    let input = two_sets().glb();
+    place.write("in.glb", &input);
+    place.run("apply rise.ron in.glb -o out.glb --fps 4").expect(0);
+    place.run("apply rise.ron in.glb -o still.glb --at 1").expect(0);
+    let rest = oracle::evaluate(&input, None, 0.0);
+    for now in [
+        oracle::evaluate(&place.read("out.glb"), Some("wirework"), 1.0),
+        oracle::evaluate(&place.read("still.glb"), None, 0.0),
+    ] {
+        for primitive in 0..2 {
+            assert!(follow(&rest, &now, |shown| shown == primitive) > 500);
+        }
+    }
+}
+
+/// The gutter with its tangents as small integers of a component type, and in the extension that allows them.
+fn quantised(kind: u32) -> Doc {
+    let mut doc = gutter();
+    let old = doc.json["meshes"][0]["primitives"][0]["attributes"]["TANGENT"].clone();
+    let accessor = &doc.json["accessors"][old.as_u64().unwrap() as usize];
+    let (count, view) =
+        (accessor["count"].as_u64().unwrap() as usize, accessor["bufferView"].as_u64().unwrap());
+    let start = doc.json["bufferViews"][view as usize]["byteOffset"].as_u64().unwrap() as usize;
+    let (floats, _) = doc.bin[start..start + 16 * count].as_chunks::<4>();
+    let floats = floats.iter().map(|bytes| f32::from_le_bytes(*bytes));
+    let bytes: Vec<u8> = match kind {
+        5120 => floats.map(|x| ((x * 127.0).round() as i8).cast_unsigned()).collect(),
+        _ => floats.flat_map(|x| ((x * 32_767.0).round() as i16).to_le_bytes()).collect(),
+    };
+    let json = json!({ "componentType": kind, "normalized": true, "type": "VEC4", "count": count });
+    let new = doc.accessor(json, &bytes);
+    for primitive in doc.json["meshes"]
+        .as_array_mut()
+        .unwrap()
+        .iter_mut()
+        .flat_map(|m| m["primitives"].as_array_mut().unwrap())
+    {
+        primitive["attributes"]["TANGENT"] = json!(new);
+    }
+    doc.json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+    doc.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    doc
+}
+
+/// The tangents of the first primitive of a mesh, in its own space, with its last target at full weight if it has any: of a file, from
+/// bare bytes.
+fn local_tangents(place: &Place, file: &str, mesh: usize) -> Vec<(DVec3, f64)> {
+    let document = Document::open(&place.path(file));
+    let primitive = &document.json["meshes"][mesh]["primitives"][0];
+    let base = document.elements(&primitive["attributes"]["TANGENT"]);
+    let target = primitive.get("targets").and_then(|targets| targets.as_array()?.last()?.get("TANGENT"));
+    let deltas = target.map_or_else(|| vec![vec![0.0; 3]; base.len()], |target| document.elements(target));
+    let sum =
+        |(base, delta): (&Vec<f64>, Vec<f64>)| (DVec3::from_slice(base) + DVec3::from_slice(&delta), base[3]);
+    base.iter().zip(deltas).map(sum).collect()
+}
+
+#[test]
+fn quantised_tangents_follow_as_floats_do() {
+    let place = Place::new();
+    place.write("rise.ron", RISE);
+    place.write("float.glb", gutter().glb());
+    // Half a step of each component, twice: at rest and in what follows from it.
+    for (kind, close) in [(5120, 0.8), (5122, 0.01)] {
+        place.write("in.glb", quantised(kind).glb());
+        for (flags, out) in [("--fps 4", "moving.glb"), ("--at 1", "still.glb")] {
+            place.run(&format!("apply rise.ron float.glb -o of_{out} {flags}")).expect(0);
+            let err = place.run(&format!("apply rise.ron in.glb -o {out} {flags}")).expect(0).err();
+            assert!(!err.contains("tangents"), "{err}");
+            for mesh in 0..2 {
+                let rest = local_tangents(&place, "in.glb", mesh);
+                let [float, small] =
+                    [format!("of_{out}"), out.to_owned()].map(|file| local_tangents(&place, &file, mesh));
+                let mut turned = 0;
+                for (((float, _), (small, side)), (rest, _)) in float.iter().zip(&small).zip(&rest) {
+                    assert!(degrees(*float, *small) < close, "{float} became {small} in {out} of {kind}");
+                    assert!(*side == -1.0, "the handedness stays");
+                    turned += usize::from(degrees(*rest, *small) > 4.0 * CLOSE);
+                }
+                assert!(turned > 200, "{turned}");
+            }
+        }
     }
 }

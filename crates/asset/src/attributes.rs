@@ -1,5 +1,7 @@
 //! The vertices of a primitive as its mesh stores them, and its morph targets.
 
+use serde_json::Value;
+
 use crate::accessor::{Accessor, Component};
 use crate::document::Gltf;
 use crate::error::{AssetError, Warning};
@@ -158,13 +160,20 @@ pub(crate) fn add(
     }
 }
 
-/// Missing or wrong bounds harm viewers, not us.
+/// Missing or wrong bounds harm viewers, not us. What is no list of numbers was told when the document was read.
 fn check_bounds(
     accessor: &Accessor<'_>,
     values: &[[f32; 3]],
     warnings: &mut Vec<Warning>,
 ) -> Result<(), AssetError> {
     if accessor.normalized {
+        return Ok(());
+    }
+    let told = |key| {
+        let stated = accessor.json.value().get(key);
+        stated.is_some_and(|stated| !stated.as_array().is_some_and(|list| list.iter().all(Value::is_number)))
+    };
+    if told("min") || told("max") {
         return Ok(());
     }
     let (min, max) = bounds(values);

@@ -58,13 +58,13 @@ impl Gltf {
         known: &mut BTreeMap<usize, usize>,
         warnings: &mut Vec<Warning>,
     ) -> Result<Option<(usize, Path)>, AssetError> {
-        let mut passed = |what: String| {
+        let mut passed = |at: Json<'_>, what: String| {
             let message = format!("a track of {what}; it is not played");
-            warnings.push(Warning::new("track", target.place(), message));
+            warnings.push(Warning::new("track", at.place(), message));
         };
         let name = target.need("path")?;
         let Some(reference) = target.get("node")? else {
-            passed("something that is no node".to_owned());
+            passed(target, "something that is no node".to_owned());
             return Ok(None);
         };
         let node = reference.index("node", graph.nodes.len())?;
@@ -74,7 +74,7 @@ impl Gltf {
             "scale" => Path::Scale,
             "weights" => Path::Weights(self.targets(node, reference, graph, known)?),
             other => {
-                passed(format!("the property {other:?}"));
+                passed(name, format!("the property {other:?}"));
                 return Ok(None);
             }
         };

@@ -7,7 +7,6 @@ use serde_json::Value;
 
 use crate::container;
 use crate::content::{Content, Contents};
-use crate::edit::whole;
 use crate::error::{AssetError, Place, Warning};
 use crate::json::Json;
 use crate::limits::{Budget, Limits, Of, reserve};
@@ -88,6 +87,38 @@ pub struct Gltf {
     pub(crate) written: crate::delta::Written,
 }
 
+/// A document that is not to be worked on, since its buffers may be missing: what is told of one that is refused.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Outline {
+    /// Its JSON.
+    pub json: Value,
+    /// Whether it came as a GLB.
+    pub binary: bool,
+    /// What is not right, what it is refused for among it.
+    pub warnings: Vec<Warning>,
+}
+
+impl Outline {
+    /// Reads what can be read of a `.glb` or a `.gltf`, whether [`Gltf::read`] refuses it or not.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be read, is too large for `limits`, or holds no JSON.
+    pub fn read(path: &Path, limits: &Limits) -> Result<Self, AssetError> {
+        let name = path.display().to_string();
+        let mut budget = Budget::new(limits);
+        let folder = path.parent().map(Path::to_path_buf);
+        let open = |bytes, budget: &mut Budget| Gltf::open(bytes, &name, folder.clone(), limits, budget);
+        let opened = uri::read_file(path, &mut budget).and_then(|bytes| open(bytes, &mut budget));
+        let mut gltf = opened.map_err(|error| error.in_file(&name))?;
+        // Why it is refused, if it is, its reader says.
+        let _ = gltf.load(&mut budget, false);
+        let Gltf { json, binary, warnings, .. } = gltf;
+        Ok(Self { json, binary, warnings })
+    }
+}
+
 impl Gltf {
     /// Reads a `.glb` or a `.gltf` with the buffers it refers to. What the file is, its first bytes say.
     ///
@@ -120,6 +151,19 @@ impl Gltf {
         limits: &Limits,
         budget: &mut Budget,
     ) -> Result<Self, AssetError> {
+        let mut gltf = Self::open(bytes, name, folder, limits, budget)?;
+        gltf.load(budget, true)?;
+        Ok(gltf)
+    }
+
+    /// The document as JSON, its buffers not yet read.
+    fn open(
+        bytes: Vec<u8>,
+        name: &str,
+        folder: Option<PathBuf>,
+        limits: &Limits,
+        budget: &mut Budget,
+    ) -> Result<Self, AssetError> {
         let mut warnings = Vec::new();
         let binary = bytes.starts_with(&container::MAGIC);
         let mut text_of = |text: &[u8]| {
@@ -138,7 +182,7 @@ impl Gltf {
         } else {
             (text_of(&bytes)?, None, Vec::new())
         };
-        let mut gltf = Self {
+        Ok(Self {
             file: name.to_owned(),
             folder,
             json,
@@ -151,12 +195,16 @@ impl Gltf {
             warnings,
             growing: None,
             written: crate::delta::Written::default(),
-        };
-        check_version(gltf.root())?;
-        check_extensions(gltf.root())?;
-        gltf.load_buffers(budget)?;
-        gltf.check_views();
-        Ok(gltf)
+        })
+    }
+
+    /// Reads the buffers of a document that is one, and tells what is wrong with the rest of it: what is `passed` through, or
+    /// would have been.
+    fn load(&mut self, budget: &mut Budget, passed: bool) -> Result<(), AssetError> {
+        check_version(self.root())?;
+        let loaded = check_extensions(self.root()).and_then(|()| self.load_buffers(budget));
+        self.survey(passed);
+        loaded
     }
 
     /// The file as it was named when it was read.
@@ -164,12 +212,18 @@ impl Gltf {
         &self.file
     }
 
+    /// Whether it came as a GLB.
+    pub fn is_binary(&self) -> bool {
+        self.binary
+    }
+
     /// The JSON of the document.
     pub fn json(&self) -> &Value {
         &self.json
     }
 
-    /// What was repaired or dropped when the document was read, or left unrepaired when it was edited.
+    /// What was repaired or dropped when the document was read, or left unrepaired when it was edited; and what the standard
+    /// does not allow and no reading has met yet: of what is not read it comes out as it is.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
@@ -243,25 +297,6 @@ impl Gltf {
         self.buffers = buffers;
         self.orphan = bin;
         self.decode_views()
-    }
-
-    /// Warns of views that end beyond their buffer. Where geometry uses one it is an error there.
-    fn check_views(&mut self) {
-        let mut warnings = Vec::new();
-        for (index, view) in self.list("bufferViews").iter().enumerate() {
-            let number = |key| view.get(key).and_then(whole);
-            let Some(buffer) = number("buffer").and_then(|buffer| self.buffers.get(buffer)) else { continue };
-            let (offset, length) = (number("byteOffset").unwrap_or(0), number("byteLength").unwrap_or(0));
-            if offset.checked_add(length).is_none_or(|end| end > buffer.length) {
-                let message = format!(
-                    "{length} bytes from byte {offset} are beyond the {} bytes of the buffer; the view stays as it is",
-                    buffer.length
-                );
-                let place = Place::Pointer(format!("/bufferViews/{index}"));
-                warnings.push(Warning::new("view-range", place, message));
-            }
-        }
-        self.warnings.append(&mut warnings);
     }
 
     fn load_uri(&self, uri: Json<'_>, budget: &mut Budget) -> Result<(Contents, Source), AssetError> {

@@ -127,13 +127,8 @@ impl Gltf {
         self.append("accessors", accessor)
     }
 
-    /// Appends triangles between `count` vertices as a list of indices and gives the accessor's index.
-    pub(crate) fn append_triangles(
-        &mut self,
-        triangles: &[[u32; 3]],
-        count: usize,
-    ) -> Result<usize, AssetError> {
-        let flat = triangles.as_flattened();
+    /// Appends indices of `count` vertices and gives the accessor's index.
+    pub(crate) fn append_indices(&mut self, flat: &[u32], count: usize) -> Result<usize, AssetError> {
         // 65 535 is no index of 16 bits: it restarts primitives.
         let short = u16::try_from(count).is_ok();
         let mut bytes = crate::limits::reserve(flat.len() * if short { 2 } else { 4 })?;

@@ -95,7 +95,8 @@ impl AssetError {
 /// Something in an input that was repaired, or left as it is although it is not right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// A stable name: `weights-sum`, `bounds`, `normals-missing`, `zero-area`, and so on.
+    /// A stable name: `weights-sum`, `bounds`, `normals-missing`, `zero-area`, and so on; of what is passed through as it is
+    /// `value`, `index`, `missing`, `view` or `accessor`, and `faults` for more of them.
     pub code: &'static str,
     /// Where it is.
     pub place: Place,

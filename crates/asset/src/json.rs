@@ -11,10 +11,22 @@ const DEEPEST: usize = 9;
 /// The largest whole number that every JSON reader keeps exactly.
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
+/// One step into a value.
 #[derive(Clone, Copy, Debug)]
-enum Step<'a> {
+pub(crate) enum Step<'a> {
     Key(&'a str),
     Index(usize),
+}
+
+impl Step<'_> {
+    /// Writes it behind a pointer.
+    pub(crate) fn write(self, pointer: &mut String) {
+        pointer.push('/');
+        match self {
+            Self::Key(key) => pointer.push_str(&key.replace('~', "~0").replace('/', "~1")),
+            Self::Index(index) => pointer.push_str(&index.to_string()),
+        }
+    }
 }
 
 /// A value and where it stands.
@@ -42,13 +54,7 @@ impl<'a> Json<'a> {
     /// The pointer of this value.
     pub(crate) fn place(&self) -> Place {
         let mut pointer = String::new();
-        for step in &self.steps[..self.depth] {
-            pointer.push('/');
-            match step {
-                Step::Key(key) => pointer.push_str(&key.replace('~', "~0").replace('/', "~1")),
-                Step::Index(index) => pointer.push_str(&index.to_string()),
-            }
-        }
+        self.steps[..self.depth].iter().for_each(|step| step.write(&mut pointer));
         Place::Pointer(pointer)
     }
 
@@ -149,17 +155,20 @@ impl<'a> Json<'a> {
         if index < count {
             return Ok(index);
         }
-        let expected = if count == 0 {
-            format!("no {what}: there are none")
-        } else {
-            format!("{what} 0 to {}", count - 1)
-        };
-        Err(self.found(format!("{what} {index}"), expected))
+        Err(self.found(format!("{what} {index}"), one_of(what, count)))
+    }
+}
+
+/// What an index into a table of `count` entries called `what` can be.
+pub(crate) fn one_of(what: &str, count: usize) -> String {
+    match count {
+        0 => format!("no {what}: there are none"),
+        _ => format!("{what} 0 to {}", count - 1),
     }
 }
 
 /// A value in few words.
-fn describe(value: &Value) -> String {
+pub(crate) fn describe(value: &Value) -> String {
     const LONGEST: usize = 60;
     match value {
         Value::Object(_) => "an object".to_owned(),

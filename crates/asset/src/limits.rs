@@ -130,6 +130,13 @@ pub(crate) fn reserve<T>(count: usize) -> Result<Vec<T>, AssetError> {
     Ok(out)
 }
 
+/// A vector of `count` equal elements, or a limit error where memory does not suffice.
+pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>, AssetError> {
+    let mut out = reserve(count)?;
+    out.resize(count, value);
+    Ok(out)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

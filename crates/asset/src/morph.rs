@@ -47,7 +47,8 @@ impl Gltf {
     }
 
     /// Appends `targets` to every primitive of `mesh`. Where there were targets, they stay in front; default weights
-    /// and the weight tracks of all nodes that show the mesh are continued with zeros.
+    /// and the weight tracks of all nodes that show the mesh are continued with zeros. Attributes that only some targets of a
+    /// primitive have, old or new, the others get as zeros, since engines play mixed ones wrong.
     ///
     /// # Errors
     ///
@@ -80,6 +81,7 @@ impl Gltf {
             }
             drop_compressed(primitive);
         }
+        self.even_targets(mesh)?;
         let entry = self.entry_mut("meshes", mesh)?;
         extend_weights(entry, after, true);
         if let Err(message) = extend_names(entry, before, targets) {

@@ -172,7 +172,8 @@ impl Rest {
 }
 
 impl Block {
-    /// The texture coordinates that the tangents belong to: those of the first normal map, else the first set.
+    /// The texture coordinates that the tangents belong to: at each vertex those of the first normal map on a primitive that has it,
+    /// else those of the block's first normal map, else the first set.
     pub fn tangent_uvs(&self) -> Option<&[[f32; 2]]> {
         let uvs = self.tangent_uvs.as_ref().or(self.uvs.as_ref());
         uvs.map(Vec::as_slice).filter(|uvs| uvs.len() == self.count)

@@ -5,7 +5,10 @@ use serde_json::json;
 use crate::content::Contents;
 use crate::document::{Buffer, Gltf, Source};
 use crate::error::AssetError;
+use crate::image::media_type;
+use crate::json::Json;
 use crate::limits::Limits;
+use crate::primitive::Mode;
 
 /// A mesh for a new document, as a renderer has it: one entry a vertex.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +23,30 @@ pub struct NewMesh<'a> {
     pub uvs: Option<&'a [[f32; 2]]>,
     /// Indices into the positions, counter-clockwise seen from outside; without any the mesh is a set of points.
     pub triangles: &'a [[u32; 3]],
+}
+
+/// A primitive of a new mesh: some of its vertices, joined in one way.
+#[derive(Clone, Debug)]
+pub struct NewPart {
+    /// What they are joined to.
+    pub mode: Mode,
+    /// Indices of vertices of the mesh.
+    pub indices: Vec<u32>,
+    /// The material, an index that [`Gltf::append_look`] gave; none for the standard's own.
+    pub material: Option<usize>,
+}
+
+/// A material of a new document.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NewLook<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Base colour, linear, and alpha, from 0 to 1. Default none: white, opaque.
+    pub color: Option<[f32; 4]>,
+    /// The picture of the base colour, an index that [`Gltf::append_image`] gave. Default none.
+    pub image: Option<usize>,
+    /// Whether the picture ends at its edges, and does not repeat. Default no.
+    pub clamp: bool,
 }
 
 impl Gltf {
@@ -104,12 +131,65 @@ impl Gltf {
         if mesh.triangles.is_empty() {
             primitive["mode"] = json!(0);
         } else {
-            primitive["indices"] = json!(self.append_triangles(mesh.triangles, mesh.positions.len())?);
+            let flat = mesh.triangles.as_flattened();
+            primitive["indices"] = json!(self.append_indices(flat, mesh.positions.len())?);
             primitive["material"] = json!(0);
         }
         let index = self.append("meshes", json!({ "name": mesh.name, "primitives": [primitive] }))?;
         self.append("nodes", json!({ "name": mesh.name, "mesh": index }))?;
         Ok(())
+    }
+
+    /// Cuts the one primitive of a new mesh into `parts`, which share its vertices.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that is not there; an index of no vertex.
+    pub fn cut(&mut self, mesh: usize, parts: &[NewPart]) -> Result<(), AssetError> {
+        let Some(attributes) = self.primitives_mut(mesh)?.first().map(|first| first["attributes"].clone())
+        else {
+            return Err(AssetError::file("a mesh without primitives", "one primitive"));
+        };
+        let vertices = self.accessor(Json::root(&attributes["POSITION"]))?.count;
+        let mut primitives = Vec::with_capacity(parts.len());
+        for NewPart { mode, indices, material } in parts {
+            if let Some(index) = indices.iter().find(|&&index| index as usize >= vertices) {
+                return Err(AssetError::file(format!("the index {index}"), "indices of vertices"));
+            }
+            let indices = self.append_indices(indices, vertices)?;
+            let mut primitive = json!({ "attributes": attributes, "indices": indices, "mode": *mode as u8 });
+            if let Some(material) = material {
+                primitive["material"] = json!(material);
+            }
+            primitives.push(primitive);
+        }
+        *self.primitives_mut(mesh)? = primitives;
+        Ok(())
+    }
+
+    /// Appends an image, the bytes of a file called `name`, and gives its index.
+    pub fn append_image(&mut self, name: &str, bytes: Vec<u8>) -> Result<usize, AssetError> {
+        let media = media_type(&bytes).unwrap_or("image/png");
+        let view = self.append_view(bytes, None)?;
+        self.append("images", json!({ "name": name, "bufferView": view, "mimeType": media }))
+    }
+
+    /// Appends a material, not metallic and seen from both sides, and gives its index.
+    pub fn append_look(&mut self, look: &NewLook<'_>) -> Result<usize, AssetError> {
+        let mut base = json!({ "metallicFactor": 0.0, "roughnessFactor": 0.8 });
+        if let Some(color) = look.color {
+            base["baseColorFactor"] = json!(color);
+        }
+        if let Some(image) = look.image {
+            let wrap = if look.clamp { 33071 } else { 10497 };
+            let sampler = self.append("samplers", json!({ "wrapS": wrap, "wrapT": wrap }))?;
+            let texture = self.append("textures", json!({ "source": image, "sampler": sampler }))?;
+            base["baseColorTexture"] = json!({ "index": texture });
+        }
+        let through = look.color.is_some_and(|[.., alpha]| alpha < 1.0);
+        let mode = if through { "BLEND" } else { "OPAQUE" };
+        let material = json!({ "name": look.name, "pbrMetallicRoughness": base, "alphaMode": mode, "doubleSided": true });
+        self.append("materials", material)
     }
 }
 

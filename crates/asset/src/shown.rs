@@ -15,7 +15,7 @@ use crate::limits::{Budget, Of};
 use crate::primitive::Mode;
 use crate::rest::{Block, Part, Rest};
 use crate::skin::Influences;
-use crate::tangent;
+use crate::tangent::{self, Mapped};
 use crate::way::Way;
 
 /// A node that shows a mesh.
@@ -37,7 +37,7 @@ impl Shown<'_> {
         let own = self.graph.nodes[self.node].weights.as_deref();
         let weights = default_weights(self.gltf, self.node, own, mesh, targets)?;
         let mut blocks: BTreeMap<Vec<(String, usize)>, usize> = BTreeMap::new();
-        let mut sets = BTreeMap::new();
+        let mut sets: BTreeMap<usize, Vec<Mapped<'_>>> = BTreeMap::new();
         for (index, primitive) in primitives.items()?.enumerate() {
             let list = attributes::check(self.gltf, primitive)?;
             if !list.iter().any(|(key, _)| key == "POSITION") {
@@ -56,13 +56,15 @@ impl Shown<'_> {
             let set = self.gltf.tangent_set(primitive).filter(|_| rest.blocks[block].tangents.is_some());
             if let (Some(set), Some(part)) = (set, rest.parts.last_mut()) {
                 part.normal_mapped = true;
-                sets.entry(block).or_insert((set, primitive));
+                let triangles = part.first_triangle..part.first_triangle + part.triangle_count;
+                sets.entry(block).or_default().push(Mapped { primitive, set, triangles });
             }
         }
-        for (block, (set, primitive)) in sets.into_iter().filter(|(_, (set, _))| *set != 0) {
-            let warnings = &mut rest.warnings;
-            let uvs = attributes::texture_coordinates(self.gltf, primitive, set, budget, warnings)?;
-            rest.blocks[block].tangent_uvs = Some(uvs.unwrap_or_default());
+        for (block, mapped) in sets {
+            let Rest { blocks, triangles, warnings, .. } = &mut *rest;
+            let range = blocks[block].first..blocks[block].first + blocks[block].count;
+            blocks[block].tangent_uvs =
+                tangent::coordinates(self.gltf, &mapped, range, triangles, budget, warnings)?;
         }
         Ok(())
     }

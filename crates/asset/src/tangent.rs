@@ -1,14 +1,16 @@
 //! Tangents: which materials look at them, how they are read, and the way back to the space of their mesh.
 
+use std::ops::Range;
+
 use serde_json::{Map, Value};
 
 use crate::accessor::{Accessor, Component};
-use crate::attributes::{QUANTIZATION, add};
+use crate::attributes::{QUANTIZATION, add, texture_coordinates};
 use crate::document::Gltf;
 use crate::edit::whole;
 use crate::error::{AssetError, Warning};
 use crate::json::Json;
-use crate::limits::Budget;
+use crate::limits::{Budget, filled};
 
 /// Its direction is relative to the tangents, with or without a texture.
 const ANISOTROPY: &str = "KHR_materials_anisotropy";
@@ -83,6 +85,51 @@ pub(crate) fn read(
         }
     }
     Ok(Some(tangents))
+}
+
+/// A primitive with a normal map.
+pub(crate) struct Mapped<'a> {
+    pub(crate) primitive: Json<'a>,
+    /// The set of texture coordinates of the map.
+    pub(crate) set: usize,
+    /// Its triangles among those of the scene.
+    pub(crate) triangles: Range<usize>,
+}
+
+/// The texture coordinates that the tangents of a block belong to, the vertices `range` of a scene with these `triangles`;
+/// nothing where that is the first set. Primitives of it may be `mapped` on different sets: a vertex takes that of the first one
+/// that has it, and what none has that of the first of all. A set that is not there is nothing or zeros.
+pub(crate) fn coordinates(
+    gltf: &Gltf,
+    mapped: &[Mapped<'_>],
+    range: Range<usize>,
+    triangles: &[[u32; 3]],
+    budget: &mut Budget,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<Vec<[f32; 2]>>, AssetError> {
+    let mut read = |primitive, set| texture_coordinates(gltf, primitive, set, budget, warnings);
+    let first = match mapped.first() {
+        Some(first) if mapped.iter().any(|other| other.set != 0) => first,
+        _ => return Ok(None),
+    };
+    let mut out = read(first.primitive, first.set)?.unwrap_or_default();
+    if mapped.iter().all(|other| other.set == first.set) {
+        return Ok(Some(out));
+    }
+    out.resize(range.len(), [0.0; 2]);
+    let mut taken = filled(range.len(), false)?;
+    for Mapped { primitive, set, triangles: own } in mapped {
+        let uvs = if *set == first.set { None } else { Some(read(*primitive, *set)?.unwrap_or_default()) };
+        for &vertex in triangles.get(own.clone()).unwrap_or(&[]).as_flattened() {
+            let v = vertex as usize - range.start;
+            if !std::mem::replace(&mut taken[v], true)
+                && let Some(uvs) = &uvs
+            {
+                out[v] = uvs.get(v).copied().unwrap_or_default();
+            }
+        }
+    }
+    Ok(Some(out))
 }
 
 fn fits(gltf: &Gltf, accessor: &Accessor<'_>) -> bool {

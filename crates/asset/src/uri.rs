@@ -37,6 +37,11 @@ pub(crate) fn parse(uri: &str) -> Result<Target, &'static str> {
         return data_uri(data);
     }
     let path = percent_decode_str(uri).decode_utf8().map_err(|_| "a URI in UTF-8")?;
+    below(&path).map(Target::File)
+}
+
+/// The file below a folder that a path of forward slashes names. The error says what is wrong with it.
+pub(crate) fn below(path: &str) -> Result<PathBuf, &'static str> {
     if path.is_empty() {
         return Err("the name of a file");
     }
@@ -58,7 +63,7 @@ pub(crate) fn parse(uri: &str) -> Result<Target, &'static str> {
             name => out.push(name),
         }
     }
-    if out.as_os_str().is_empty() { Err("the name of a file") } else { Ok(Target::File(out)) }
+    if out.as_os_str().is_empty() { Err("the name of a file") } else { Ok(out) }
 }
 
 fn is_device(name: &str) -> bool {

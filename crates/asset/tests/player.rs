@@ -1,43 +1,13 @@
 //! Clips of documents small enough to know the answer.
 
-use serde_json::{Value, json};
-use wirework_asset::{AssetError, ErrorClass, LocalDeltas, Place, Player};
+use serde_json::json;
+use wirework_asset::{LocalDeltas, Place};
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod make;
 use make::{Doc, skinned, triangle};
-
-fn close(a: [f32; 3], b: [f32; 3]) -> bool {
-    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
-}
-
-/// Adds a channel to the only clip.
-fn channel(doc: &mut Doc, node: usize, path: &str, interpolation: &str, input: usize, output: usize) {
-    if doc.json.get("animations").is_none() {
-        doc.json["animations"] = json!([{ "samplers": [], "channels": [] }]);
-    }
-    let clip = &mut doc.json["animations"][0];
-    let samplers = clip["samplers"].as_array_mut().unwrap();
-    samplers.push(json!({ "input": input, "output": output, "interpolation": interpolation }));
-    let channel = json!({ "sampler": samplers.len() - 1, "target": { "node": node, "path": path } });
-    clip["channels"].as_array_mut().unwrap().push(channel);
-}
-
-fn track(doc: &mut Doc, node: usize, path: &str, interpolation: &str, times: &[f32], values: &[f32]) {
-    let kind = match path {
-        "rotation" => "VEC4",
-        "weights" => "SCALAR",
-        _ => "VEC3",
-    };
-    let (input, output) = (doc.floats("SCALAR", times), doc.floats(kind, values));
-    channel(doc, node, path, interpolation, input, output);
-}
-
-fn pose(player: &mut Player<'_>, seconds: f64, deltas: Option<&[LocalDeltas]>) -> [Vec<[f32; 3]>; 2] {
-    let (mut positions, mut normals) = (Vec::new(), Vec::new());
-    player.pose_into(seconds, deltas, &mut positions, &mut normals).unwrap();
-    assert_eq!(positions.len(), normals.len());
-    [positions, normals]
-}
+mod play;
+use play::{channel, close, pose, refused, strip, track};
 
 /// The positions of the first clip at a time.
 fn at(doc: &Doc, seconds: f64) -> Vec<[f32; 3]> {
@@ -46,11 +16,6 @@ fn at(doc: &Doc, seconds: f64) -> Vec<[f32; 3]> {
     assert!(player.warnings().is_empty(), "{:?}", player.warnings());
     let [positions, _] = pose(&mut player, seconds, None);
     positions
-}
-
-fn refused(doc: &Doc) -> AssetError {
-    let gltf = doc.open().unwrap();
-    gltf.player(&gltf.rest().unwrap(), Some(0)).unwrap_err()
 }
 
 /// A turn about z, in degrees, as a quaternion.
@@ -166,37 +131,6 @@ fn nodes_carry_each_other_and_mirror() {
     assert!(close(normals[0], [0.0, 0.0, 1.0]));
 }
 
-/// A strip along y of three pairs of vertices, half way up a second joint, in a node that does not count.
-fn strip() -> Doc {
-    let mut doc = Doc::new();
-    let points: Vec<f32> = (0..6).flat_map(|i| [(i % 2) as f32, (i / 2) as f32, 0.0]).collect();
-    let positions = doc.floats("VEC3", &points);
-    let normals = doc.floats("VEC3", &[0.0, 1.0, 0.0].repeat(6));
-    let joints = doc.accessor(
-        json!({ "componentType": 5121, "type": "VEC4", "count": 6 }),
-        &[[0, 0, 0, 0], [0, 0, 0, 0], [0, 1, 0, 0], [0, 1, 0, 0], [1, 0, 0, 0], [1, 0, 0, 0]].concat(),
-    );
-    let (one, half) = ([1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.0, 0.0]);
-    let weights = doc.floats("VEC4", &[one, one, half, half, one, one].concat());
-    let mut binds =
-        [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0].repeat(2);
-    binds[16 + 13] = -1.0;
-    let binds = doc.floats("MAT4", &binds);
-    let indices = doc.accessor(
-        json!({ "componentType": 5121, "type": "SCALAR", "count": 12 }),
-        &[0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5],
-    );
-    let attributes = json!({
-        "POSITION": positions, "NORMAL": normals, "JOINTS_0": joints, "WEIGHTS_0": weights,
-    });
-    let mesh = doc.mesh(&json!({ "attributes": attributes, "indices": indices }));
-    doc.node(json!({ "mesh": mesh, "skin": 0, "translation": [50, 0, 0] }));
-    doc.node(json!({ "children": [2] }));
-    doc.node(json!({ "translation": [0, 1, 0] }));
-    doc.json["skins"] = json!([{ "joints": [1, 2], "inverseBindMatrices": binds }]);
-    doc
-}
-
 #[test]
 fn a_strip_of_two_bones_bends() {
     let mut doc = strip();
@@ -285,111 +219,4 @@ fn without_a_clip_all_is_as_at_rest() {
         assert_eq!(positions, rest.positions);
         assert_eq!(Some(normals), rest.blocks[0].normals);
     }
-}
-
-#[test]
-fn tracks_of_no_property_of_a_node_are_passed_over() {
-    let mut doc = triangle(json!({}));
-    track(
-        &mut doc,
-        0,
-        "translation",
-        "LINEAR",
-        &[0.0, 0.0, 2.0],
-        &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 3.0, 0.0, 0.0],
-    );
-    let clip = &mut doc.json["animations"][0];
-    let pointer = json!({ "KHR_animation_pointer": { "pointer": "/materials/0/alphaCutoff" } });
-    for target in [
-        json!({ "path": "pointer", "extensions": pointer }),
-        json!({ "path": "rotation" }),
-        json!({ "node": 0, "path": "colour\n" }),
-    ] {
-        clip["channels"].as_array_mut().unwrap().push(json!({ "sampler": 0, "target": target }));
-    }
-    let gltf = doc.open().unwrap();
-    let mut player = gltf.player(&gltf.rest().unwrap(), Some(0)).unwrap();
-    let codes: Vec<_> = player.warnings().iter().map(|w| w.code).collect();
-    assert_eq!(codes, ["key-times", "track", "track", "track"]);
-    assert!(player.warnings().iter().all(|w| !w.to_string().contains('\n')));
-    assert_eq!(player.duration(), 2.0);
-    // Of two keys at one time the second counts.
-    assert!(close(pose(&mut player, 0.0, None)[0][0], [1.0, 0.0, 0.0]));
-    assert!(close(pose(&mut player, f64::NAN, None)[0][0], [0.0; 3]), "no time is the first key");
-}
-
-fn sampler(doc: &mut Doc) -> &mut Value {
-    &mut doc.json["animations"][0]["samplers"][0]
-}
-
-#[test]
-fn faults_of_a_clip_are_named_by_their_place() {
-    type Fault = (&'static str, fn(&mut Doc));
-    let faults: [Fault; 14] = [
-        ("/animations", |doc| doc.json["animations"] = json!([])),
-        ("/animations/0", |doc| doc.json["animations"][0] = json!({ "channels": [] })),
-        ("/animations/0/channels/0/sampler", |doc| {
-            doc.json["animations"][0]["channels"][0]["sampler"] = json!(1);
-        }),
-        ("/animations/0/channels/0/target/node", |doc| {
-            doc.json["animations"][0]["channels"][0]["target"]["node"] = json!(9);
-        }),
-        ("/animations/0/channels/0/target/node", |doc| {
-            doc.json["animations"][0]["channels"][0]["target"]["path"] = json!("weights");
-        }),
-        ("/animations/0/channels/0/target/path", |doc| {
-            doc.json["animations"][0]["channels"][0]["target"]["path"] = json!(1);
-        }),
-        ("/animations/0/channels/0/target/node", |doc| {
-            doc.json["nodes"][0] =
-                json!({ "mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] });
-        }),
-        ("/animations/0/channels/1/target", |doc| {
-            let again = doc.json["animations"][0]["channels"][0].clone();
-            doc.json["animations"][0]["channels"].as_array_mut().unwrap().push(again);
-        }),
-        ("/animations/0/samplers/0/interpolation", |doc| sampler(doc)["interpolation"] = json!("linear")),
-        ("/accessors/3", |doc| sampler(doc)["interpolation"] = json!("CUBICSPLINE")),
-        ("/accessors/3", |doc| sampler(doc)["input"] = json!(3)),
-        ("/accessors/4", |doc| {
-            let falling = doc.floats("SCALAR", &[1.0, 0.5]);
-            sampler(doc)["input"] = json!(falling);
-        }),
-        ("/accessors/4", |doc| {
-            let endless = doc.floats("SCALAR", &[0.0, f32::INFINITY]);
-            sampler(doc)["input"] = json!(endless);
-        }),
-        ("/accessors/4", |doc| {
-            let values = doc.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0]);
-            sampler(doc)["output"] = json!(values);
-        }),
-    ];
-    for (pointer, spoil) in faults {
-        let mut doc = triangle(json!({}));
-        track(&mut doc, 0, "translation", "LINEAR", &[0.0, 1.0], &[0.0; 6]);
-        spoil(&mut doc);
-        let error = refused(&doc);
-        assert_eq!(error.place, Place::Pointer(pointer.into()), "{error}");
-        assert_eq!((error.class, error.file.as_str()), (ErrorClass::Asset, "made.glb"));
-    }
-    let doc = triangle(json!({}));
-    assert!(refused(&doc).to_string().contains("a clip 0"));
-    let (gltf, other) = (doc.open().unwrap(), strip().rest().unwrap());
-    assert!(gltf.player(&other, None).unwrap_err().found.contains("another document"));
-}
-
-#[test]
-fn a_pose_beyond_floats_is_an_error() {
-    let huge = [0.0, 0.0, 0.0, 3e38, 0.0, 0.0];
-    let mut doc = triangle(json!({}));
-    doc.node(json!({ "children": [0], "scale": [1e10, 1, 1] }));
-    track(&mut doc, 0, "translation", "LINEAR", &[0.0, 1.0], &huge);
-    let gltf = doc.open().unwrap();
-    let mut player = gltf.player(&gltf.rest().unwrap(), Some(0)).unwrap();
-    let (mut positions, mut normals) = (Vec::new(), Vec::new());
-    assert!(player.pose_into(0.0, None, &mut positions, &mut normals).is_ok());
-    let error = player.pose_into(1.0, None, &mut positions, &mut normals).unwrap_err();
-    assert_eq!(error.place, Place::Pointer("/meshes/0/primitives/0".into()), "{error}");
-    assert!(player.pose_into(0.0, None, &mut positions, &mut normals).is_ok(), "it can be played on");
-    assert_eq!(positions.len(), 3);
 }

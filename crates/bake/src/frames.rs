@@ -39,6 +39,26 @@ impl Default for Settings {
     }
 }
 
+/// The name of the warning that a mesh has too many targets of its own.
+pub const CROWDED: &str = "own-targets";
+
+impl Settings {
+    /// The meshes that `rest` shows of which as many targets are their own as may be at all: a message for each.
+    pub fn crowded(&self, gltf: &Gltf, rest: &Rest) -> Vec<String> {
+        let meshes: BTreeSet<usize> = rest.parts.iter().map(|part| part.mesh).collect();
+        let own = meshes.into_iter().map(|mesh| (mesh, gltf.target_count(mesh)));
+        let crowded = own.filter(|&(_, own)| own > 0 && own >= self.max_targets);
+        let most = self.max_targets;
+        crowded
+            .map(|(mesh, own)| {
+                format!(
+                    "mesh {mesh} has {own} morph targets of its own, {most} are allowed: only new ones are counted"
+                )
+            })
+            .collect()
+    }
+}
+
 /// Why frames cannot be baked.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -132,17 +152,13 @@ impl<'a> Baker<'a> {
     /// A baker for the geometry `rest` of `gltf`. A mesh that has as many targets of its own as are allowed gets a
     /// warning, and its own are not counted: nothing the baker does could keep the limit.
     pub fn new(mut gltf: Gltf, rest: &'a Rest, settings: Settings) -> Self {
+        for warning in settings.crowded(&gltf, rest) {
+            gltf.warn(CROWDED, warning);
+        }
         let mut nodes: Vec<NodeTrack> = Vec::new();
         for part in &rest.parts {
             if nodes.last().is_none_or(|track| track.node != part.node) {
                 let own = gltf.target_count(part.mesh);
-                if own > 0 && own >= settings.max_targets {
-                    let warning = format!(
-                        "mesh {} has {own} morph targets of its own, {} are allowed: only new ones are counted",
-                        part.mesh, settings.max_targets
-                    );
-                    gltf.warn("own-targets", warning);
-                }
                 nodes.push(NodeTrack {
                     node: part.node,
                     mesh: part.mesh,

@@ -10,4 +10,4 @@
 
 mod frames;
 
-pub use frames::{Bake, BakeError, Baked, Baker, Settings};
+pub use frames::{Bake, BakeError, Baked, Baker, CROWDED, Settings};

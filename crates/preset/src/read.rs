@@ -268,15 +268,15 @@ impl<'s> Reader<'s> {
     /// Closes a struct: fields that were not asked for do not exist.
     #[expect(clippy::needless_pass_by_value, reason = "what is closed is not read on")]
     pub(crate) fn finish(&mut self, fields: Fields<'_>) {
-        let unknown = fields.entries.iter().filter(|entry| !fields.known.contains(&entry.key.text.as_str()));
+        let Fields { owner, entries, known, .. } = fields;
+        let unknown = entries.iter().filter(|entry| !known.contains(&entry.key.text.as_str()));
         for entry in unknown.take(MOST_NOTED) {
-            let help = nearest(&entry.key.text, fields.known.iter().copied())
-                .map(|near| format!("did you mean `{near}`?"));
+            let help =
+                nearest(&entry.key.text, known.iter().copied()).map(|near| format!("did you mean `{near}`?"));
             let message = format!(
-                "`{}` has no field `{}`; expected {}",
-                fields.owner,
+                "`{owner}` has no field `{}`; expected {}",
                 escape(&entry.key.text),
-                one_of(fields.known.iter().copied())
+                one_of(known.iter().copied())
             );
             self.error(PresetErrorKind::Name, &entry.key.span, message, help);
         }

@@ -36,8 +36,8 @@ pub struct NodeFacts {
 pub struct PartFacts {
     /// Its name.
     pub name: Option<String>,
-    /// The vertices that `only` means by it.
-    pub vertices: usize,
+    /// The vertices that `only` means by it; none where the file is refused before they are counted.
+    pub vertices: Option<usize>,
 }
 
 pub(super) fn nodes(gltf: &Gltf, rest: &Rest) -> Result<Vec<NodeFacts>, AssetError> {
@@ -56,8 +56,10 @@ pub(super) fn nodes(gltf: &Gltf, rest: &Rest) -> Result<Vec<NodeFacts>, AssetErr
 }
 
 pub(super) fn materials(gltf: &Gltf, rest: &Rest) -> Result<Vec<PartFacts>, AssetError> {
-    let fact =
-        |(material, vertices)| PartFacts { name: gltf.material_name(material).map(str::to_owned), vertices };
+    let fact = |(material, vertices)| PartFacts {
+        name: gltf.material_name(material).map(str::to_owned),
+        vertices: Some(vertices),
+    };
     Ok(gltf.material_census(rest)?.into_iter().enumerate().map(fact).collect())
 }
 
@@ -71,7 +73,10 @@ pub(super) fn groups(name: &str, mesh: &Mesh, obj: Option<&Obj>) -> Vec<PartFact
 }
 
 pub(super) fn named_parts(census: BTreeMap<String, usize>) -> Vec<PartFacts> {
-    census.into_iter().map(|(name, vertices)| PartFacts { name: Some(name), vertices }).collect()
+    census
+        .into_iter()
+        .map(|(name, vertices)| PartFacts { name: Some(name), vertices: Some(vertices) })
+        .collect()
 }
 
 /// The one mesh of an OBJ. Colours that cannot be read are a warning.

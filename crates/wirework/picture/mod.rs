@@ -1,5 +1,6 @@
 //! From a preset or an asset to pictures: read, bind, pose, frame, render, compose, write.
 
+mod dress;
 mod moments;
 mod output;
 mod overlay;

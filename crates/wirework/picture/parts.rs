@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use wirework_asset::{Alpha, Gltf, Limits, Look, Rest, Stroke, TextureUse, printable};
+use wirework_asset::{Alpha, Gltf, Limits, Look, Place, Rest, Stroke, TextureUse, Warning, printable};
 use wirework_render::{CLAY, Dots, Line, LineKind, Part, Scene, Texture, Wrap};
 
 use crate::JobError;
@@ -46,7 +46,8 @@ pub(crate) fn drawn(
     warnings: &mut Vec<String>,
 ) -> Result<Drawn, JobError> {
     let (looks, doubts) = gltf.looks(rest);
-    warnings.extend(doubts.iter().map(|doubt| format!("{}: {doubt}", printable(gltf.file()))));
+    let doubts = doubts.iter().filter(|doubt| !gltf.tells_of(doubt));
+    warnings.extend(doubts.map(|doubt| format!("{}: {doubt}", printable(gltf.file()))));
     let of_blocks = gltf.colors(rest).unwrap_or_else(|error| {
         warnings.push(format!("{error}; the colours of vertices are left out"));
         vec![None; rest.blocks.len()]
@@ -191,8 +192,13 @@ impl Reader<'_> {
         }
         let read = self.decoded(image).map(Arc::new);
         if let Err(message) = &read {
-            let file = printable(self.gltf.file());
-            self.warnings.push(format!("{file}: /images/{image}: {message}; it is left out [image]"));
+            let place = Place::Pointer(format!("/images/{image}"));
+            let name = self.gltf.json()["images"][image]["name"].as_str();
+            let name = name.map_or_else(String::new, |name| format!("\"{name}\": "));
+            let doubt = Warning { code: "image", place, message: format!("{name}{message}; it is left out") };
+            if !self.gltf.tells_of(&doubt) {
+                self.warnings.push(format!("{}: {doubt}", printable(self.gltf.file())));
+            }
         }
         self.textures.entry(image).or_insert(read.ok()).clone()
     }

@@ -9,6 +9,7 @@ use crate::film::find_clip;
 use crate::mask::{Masks, masks};
 use crate::motion::Basis;
 use crate::output::Scene;
+use crate::picture::dress::Dress;
 use crate::picture::show::Show;
 use crate::picture::{PictureJob, Shown};
 use crate::refine::{Refinement, refined};
@@ -76,10 +77,19 @@ impl Setting {
             (Some(source), _) => source.input.map(Path::to_path_buf).or_else(|| source.own_object()),
             (None, Shown::Asset(path) | Shown::Preset { path, .. }) => Some(path.to_path_buf()),
         };
-        let parts = parts(&subject.model, document);
+        let mut parts = parts(&subject.model, document);
         let (basis, model, point_of) = Basis::of(subject);
         let colors = obj_colors(&model, &mut warnings);
-        let Scene { gltf, rest, point_of, source } = Scene::new(model, point_of, &job.limits)?;
+        let dress = match &model {
+            Model::Mesh { mesh, obj: Some(obj), .. } => Dress::of(mesh, obj, &job.limits, &mut warnings),
+            _ => None,
+        };
+        let Scene { mut gltf, mut rest, point_of, source } = Scene::new(model, point_of, &job.limits)?;
+        if let Some(dress) = dress {
+            parts.extend(dress.cut(&mut gltf, &job.limits, &mut warnings)?);
+            // The same vertices: only what they are joined to has changed.
+            rest = gltf.rest()?;
+        }
         let of_vertices = |colors: Vec<[f32; 3]>| {
             let color = |&position: &u32| colors.get(position as usize).copied().unwrap_or([1.0; 3]);
             source.as_ref().map(|source| source.iter().map(color).collect())
@@ -145,6 +155,6 @@ fn obj_colors(model: &Model, warnings: &mut Vec<String>) -> Option<Vec<[f32; 3]>
 }
 
 /// The light of an sRGB component: the format does not say what its numbers are, and all who write them write what is seen.
-fn linear(c: f32) -> f32 {
+pub(crate) fn linear(c: f32) -> f32 {
     if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }

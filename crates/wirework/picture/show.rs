@@ -40,7 +40,7 @@ impl<'a> Show<'a> {
         if drawn.is_empty(&rest.positions) {
             return Err(setting.nothing());
         }
-        let doubts = player.iter().flat_map(Player::warnings);
+        let doubts = player.iter().flat_map(Player::warnings).filter(|doubt| !gltf.tells_of(doubt));
         warnings.extend(doubts.map(|doubt| format!("{}: {doubt}", printable(gltf.file()))));
         let moves = player.as_ref().is_some_and(Player::moves);
         warnings.extend(idle(job, motion.is_some(), moves).into_iter().map(str::to_owned));

@@ -1,4 +1,4 @@
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use glam::DVec3;
 use wirework_core::{Binding, Curve, Keyed, Mask, Wire};
@@ -231,7 +231,7 @@ fn travelling_folds_keep_their_height_and_speed_and_stop_at_a_border() {
         creases.at(seconds, None).unwrap();
         for (i, wire) in wires(&creases, seconds).iter().enumerate() {
             let middle = wide(wire.reference.point(0.5));
-            let z = -((i as f64 + 0.5) / 2.0 - 0.5) * 0.4 - 0.1 * seconds;
+            let z = 0.2 * (0.5 - i as f64) - 0.1 * seconds;
             assert!(middle.distance(DVec3::new(0.05 * seconds, 0.0, z)) < 1e-5, "{middle} at {seconds}");
             assert!(wire.pose.iter().all(|p| (p[1] - 0.05).abs() < 1e-6));
         }
@@ -455,5 +455,4 @@ fn the_front_of_a_ripple_runs_outwards() {
         lay(&plane(80), &Wrinkle { propagation: keys, ..Wrinkle::new(Pattern::Ripple(layout)) }).unwrap();
     let risen = |seconds| wires(&laid, seconds).iter().filter(|w| w.pose[0][1] > 0.04).count();
     assert_eq!([0.0, 0.3, 0.6, 0.8, 1.0].map(risen), [0, 1, 2, 3, 4]);
-    assert!(PI > 3.0);
 }

@@ -1,20 +1,23 @@
 //! Wavefront OBJ: polygons and points, read so that the same file can be written back with other coordinates.
 //!
 //! Groups, materials, comments, lines, points and whatever else a file holds stay byte for byte; material libraries
-//! are never opened.
+//! are opened for pictures only, and only below the folder of the file.
 
 mod census;
+mod material;
 mod paint;
 mod read;
 mod refine;
 mod write;
 
 use std::ops::Range;
+use std::path::PathBuf;
 
 use wirework_surface::Mesh;
 
 use crate::error::Warning;
 
+pub use material::{ObjElements, ObjMaterial, ObjTexture};
 pub use paint::ObjMembers;
 pub use write::write_obj;
 
@@ -27,6 +30,7 @@ pub struct Obj {
     /// What was passed over.
     pub warnings: Vec<Warning>,
     file: String,
+    folder: Option<PathBuf>,
     text: Vec<u8>,
     statements: Vec<Statement>,
 }

@@ -41,7 +41,8 @@ impl Obj {
         let name = path.display().to_string();
         let mut budget = Budget::new(limits);
         let text = uri::read_file(path, &mut budget).map_err(|error| error.in_file(&name))?;
-        Self::parse(text, &name, &mut budget).map_err(|error| error.in_file(&name))
+        let obj = Self::parse(text, &name, &mut budget).map_err(|error| error.in_file(&name))?;
+        Ok(Self { folder: path.parent().map(Path::to_path_buf), ..obj })
     }
 
     /// Reads OBJ text from memory; `name` stands for it in messages.
@@ -82,7 +83,7 @@ impl Obj {
             );
             warnings.push(Warning::new("statement", Place::Line(line), message));
         }
-        Ok(Self { mesh, warnings, file: name.to_owned(), text, statements })
+        Ok(Self { mesh, warnings, file: name.to_owned(), folder: None, text, statements })
     }
 }
 

@@ -31,7 +31,7 @@ impl Obj {
         if obj.mesh.corners != mesh.corners || obj.mesh.face_ends != mesh.face_ends {
             return Err(AssetError::file("a subdivision of something else", "one of this mesh"));
         }
-        Ok(Self { warnings: self.warnings.clone(), ..obj })
+        Ok(Self { warnings: self.warnings.clone(), folder: self.folder.clone(), ..obj })
     }
 }
 

@@ -138,7 +138,8 @@ impl Gltf {
                 let (attributes, targets) = self.append_halved(copy, piece.primitive, of_block, budget)?;
                 known.push((piece.block, attributes, targets));
             }
-            let indices = self.append_triangles(&piece.triangles, of_block.old + of_block.parents.len())?;
+            let indices =
+                self.append_indices(piece.triangles.as_flattened(), of_block.old + of_block.parents.len())?;
             let place = self.primitives_mut(copy)?.get_mut(piece.primitive).and_then(Value::as_object_mut);
             let Some(primitive) = place else { continue };
             if let Some((_, attributes, targets)) = known.iter().find(|(block, ..)| *block == piece.block) {
