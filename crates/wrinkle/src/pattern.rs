@@ -7,6 +7,9 @@ use crate::ripple::Rays;
 use crate::trace::Trace;
 use crate::{Layout, Pattern, Wrinkle, WrinkleError, WrinkleWarning, drawn, radial, tangential};
 
+/// The part of a crease that may be missing without a word: less than anyone sees.
+const SHORT: f64 = 1e-3;
+
 /// A line on the surface for a crease to stand on.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
@@ -102,9 +105,11 @@ impl Lines {
         Ok(walker)
     }
 
-    /// Notes why a line ended, where that is before its time.
-    pub(crate) fn note(&mut self, stop: Stop) {
+    /// Notes why a line ended that was to go on for `missing`, of a crease of a length; ends that rounding has cut are not worth a
+    /// word.
+    pub(crate) fn note(&mut self, stop: Stop, missing: f64, length: f64) {
         match stop {
+            _ if missing <= SHORT * length => {}
             Stop::Arrived => {}
             Stop::Border => self.cut += 1,
             Stop::NonManifold => self.crowded += 1,

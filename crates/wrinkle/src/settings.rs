@@ -357,6 +357,11 @@ pub enum WrinkleError {
     },
 }
 
+/// `once`, `3 times`.
+fn times(n: usize) -> String {
+    if n == 1 { "once".to_owned() } else { format!("{n} times") }
+}
+
 /// What is less than was asked for.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -375,14 +380,16 @@ pub enum WrinkleWarning {
         creases: usize,
     },
     /// The pattern is larger than the surface.
-    #[error("{ends} creases end early, at a border of the surface [border]")]
+    #[error("a border of the surface cuts creases short {} [border]", times(*ends))]
     Border {
         /// How many ends.
         ends: usize,
     },
     /// The surface is not a manifold where creases run.
     #[error(
-        "{ends} creases end early, at an edge where the surface is not a manifold (more than two faces, or two that disagree about the outside) [non-manifold]"
+        "an edge where the surface is not a manifold (more than two faces, or two that disagree about the outside) cuts \
+         creases short {} [non-manifold]",
+        times(*ends)
     )]
     NonManifold {
         /// How many ends.
