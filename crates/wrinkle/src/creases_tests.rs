@@ -146,7 +146,7 @@ fn references_stay_and_wires_are_reused() {
         randomness: 0.5,
         ..Wrinkle::drawn(vec![wave(), wave()])
     };
-    let creases = lay(&mesh, &settings).unwrap();
+    let mut creases = lay(&mesh, &settings).unwrap();
     let (start, end) = (wires(&creases, 0.0), wires(&creases, 1.0));
     let mut reused = start.clone();
     reused.push(Wire::new(wave()));
