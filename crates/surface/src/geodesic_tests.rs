@@ -1,6 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::*;
+use crate::vector::wide;
 use crate::{Mesh, Nearest, grid, sphere, tube};
 
 fn terrain(mesh: &Mesh) -> (Terrain, Nearest) {

@@ -28,6 +28,7 @@ mod crease;
 mod creases;
 mod curtain;
 mod drawn;
+mod error;
 mod fit;
 mod ground;
 mod height;
@@ -47,9 +48,8 @@ mod wind;
 
 pub use creases::{Creases, creases};
 pub use curtain::{Curtain, Rail};
-pub use settings::{
-    Branches, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning,
-};
+pub use error::{WrinkleError, WrinkleWarning};
+pub use settings::{Branches, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle};
 pub use strain::Strain;
 
 #[cfg(test)]
