@@ -201,10 +201,7 @@ impl<'a> Evaluation<'a> {
 
     /// What creases lack: each with its effect, from 0.
     pub(crate) fn crease_warnings(&self) -> impl Iterator<Item = (usize, &WrinkleWarning)> {
-        self.stages
-            .iter()
-            .enumerate()
-            .flat_map(|(index, stage)| stage.warnings().iter().map(move |w| (index, w)))
+        self.stages.iter().enumerate().flat_map(|(index, stage)| stage.warnings().map(move |w| (index, w)))
     }
 
     /// The effects, from 0, that compression is to drive and that nothing tells of any.

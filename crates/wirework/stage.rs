@@ -25,6 +25,8 @@ pub(crate) struct Stage {
     near: Vec<Near>,
     /// Whether a clip has told how it compresses the surface.
     told: bool,
+    /// Whether its surface is made finer where it needs that.
+    refine: bool,
     /// Of the points, or else of the lattice's control points.
     binding: Option<Binding>,
     lattice: Option<Ffd>,
@@ -60,6 +62,7 @@ impl Stage {
             creases: None,
             near: Vec::new(),
             told: false,
+            refine: effect.refine,
             binding: None,
             lattice: lattice.map(ffd),
             bound_to: Vec::new(),
@@ -250,8 +253,10 @@ impl Stage {
     }
 
     /// What the creases lack.
-    pub(crate) fn warnings(&self) -> &[WrinkleWarning] {
-        self.creases.as_ref().map_or(&[], Creases::warnings)
+    pub(crate) fn warnings(&self) -> impl Iterator<Item = &WrinkleWarning> {
+        let all = self.creases.as_ref().map_or(&[][..], Creases::warnings).iter();
+        // What is to be made finer is not too coarse.
+        all.filter(|warning| !(self.refine && matches!(warning, WrinkleWarning::Coarse { .. })))
     }
 
     /// The lattice's control points along each axis, and where they are.

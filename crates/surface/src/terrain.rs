@@ -52,6 +52,30 @@ impl Terrain {
         self.positions.len()
     }
 
+    /// The triangles that meet in a vertex and those at its position, by rising number.
+    ///
+    /// # Panics
+    ///
+    /// There is no such vertex.
+    pub fn fan(&self, vertex: u32) -> &[u32] {
+        self.adjacency.fan(self.adjacency.place_of[vertex as usize])
+    }
+
+    /// The outward unit normal at a vertex; `None` where there is none, or no such vertex.
+    pub fn normal_of_vertex(&self, vertex: u32) -> Option<[f64; 3]> {
+        let place = *self.adjacency.place_of.get(vertex as usize)?;
+        Some(self.normals[place as usize].try_normalize()?.to_array())
+    }
+
+    /// A vertex as a point of the surface; `None` where it has no faces, or is not there.
+    pub fn at_vertex(&self, vertex: u32) -> Option<Step> {
+        let place = *self.adjacency.place_of.get(vertex as usize)?;
+        let &triangle = self.adjacency.fan(place).first()?;
+        let corner = self.adjacency.triangles[triangle as usize].iter().position(|&c| c == place)?;
+        let position = self.positions[place as usize].to_array();
+        Some(Step { triangle, weights: DVec3::AXES[corner].to_array(), position })
+    }
+
     /// The edges of a triangle, each from a corner to the next; none for a triangle that is not there.
     pub fn edges(&self, triangle: u32) -> impl Iterator<Item = [f64; 3]> {
         let corners = self.adjacency.triangles.get(triangle as usize).map(|_| self.corners(triangle));

@@ -40,6 +40,14 @@ pub enum WrinkleError {
         /// Creases the pattern would have.
         creases: usize,
     },
+    /// Nothing says where the surface is compressed.
+    #[error("`pattern: Auto` looks for where the surface is compressed: it needs `drive: Strain(..)`")]
+    Undriven,
+    /// The surface does not move, so that it is nowhere compressed.
+    #[error(
+        "`pattern: Auto` looks for where the surface is compressed: it needs a model with a clip, or effects before it"
+    )]
+    Unmoved,
     /// What compression raises is read where creases lie, and these move.
     #[error("creases that `drive` raises stay where they are: they cannot travel or be keyed")]
     DrivenMoves,

@@ -29,6 +29,7 @@ mod creases;
 mod curtain;
 mod drawn;
 mod error;
+mod field;
 mod fit;
 mod ground;
 mod height;
@@ -49,6 +50,7 @@ mod wind;
 pub use creases::{Creases, creases};
 pub use curtain::{Curtain, Rail};
 pub use error::{WrinkleError, WrinkleWarning};
+pub use field::Field;
 pub use settings::{Branches, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle};
 pub use strain::Strain;
 

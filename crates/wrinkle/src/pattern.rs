@@ -86,6 +86,7 @@ pub(crate) fn lines(
             let walker = lines.start(ground, layout)?;
             radial::lay(walker, layout, *branches, settings, seconds, f64::from(thickness), &mut lines);
         }
+        Pattern::Auto { .. } => return Err(WrinkleError::Unmoved),
         Pattern::Ripple(layout) => {
             lines.start(ground, layout)?;
             if let Some(rays) = &prepared.rays {

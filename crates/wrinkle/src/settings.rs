@@ -53,6 +53,12 @@ pub enum Pattern {
     Radial(Layout, Branches),
     /// Rings round the centre out to half the extent along; their origin is the centre. The extent across is not used.
     Ripple(Layout),
+    /// Across the surface's own compression, where that is greatest in the course of its motion. [`Field`](crate::Field) makes drawn
+    /// ones of it; until then there is nothing to lay. Needs a drive.
+    Auto {
+        /// Creases at most, at least 1.
+        creases: u32,
+    },
 }
 
 /// A curve that is dropped onto the surface.
@@ -193,6 +199,9 @@ impl Wrinkle {
         let layout = match &self.pattern {
             Pattern::Drawn(curves) if curves.is_empty() => return Err(WrinkleError::NoCurves),
             Pattern::Drawn(_) => return Ok(()),
+            Pattern::Auto { .. } if self.drive.is_none() => return Err(WrinkleError::Undriven),
+            Pattern::Auto { creases: 0 } => return Err(WrinkleError::NoCreases),
+            Pattern::Auto { .. } => return self.check_count(),
             Pattern::Tangential(layout) | Pattern::Radial(layout, _) | Pattern::Ripple(layout) => layout,
         };
         if layout.creases == 0 {
@@ -203,11 +212,12 @@ impl Wrinkle {
                 return Err(WrinkleError::Value { field: "size", expected: "greater than 0", found });
             }
         }
+        self.check_count()
+    }
+
+    fn check_count(&self) -> Result<(), WrinkleError> {
         let creases = self.crease_count();
-        if creases > MOST_CREASES {
-            return Err(WrinkleError::TooMany { creases });
-        }
-        Ok(())
+        if creases > MOST_CREASES { Err(WrinkleError::TooMany { creases }) } else { Ok(()) }
     }
 
     /// How many creases the pattern has, branches included.
@@ -215,6 +225,7 @@ impl Wrinkle {
         match &self.pattern {
             Pattern::Drawn(curves) => curves.len(),
             Pattern::Tangential(layout) | Pattern::Ripple(layout) => layout.creases as usize,
+            Pattern::Auto { creases } => *creases as usize,
             Pattern::Radial(layout, branches) => {
                 let mut each = 1_usize;
                 for _ in 0..branches.depth.min(MOST_CREASES as u32) {
@@ -235,6 +246,7 @@ impl Wrinkle {
             Pattern::Drawn(curves) => curves.iter().map(|drawn| f64::from(drawn.curve.length())).collect(),
             Pattern::Tangential(layout) => vec![f64::from(layout.size[0]); count],
             Pattern::Radial(layout, _) => vec![f64::from(layout.size[0]) / 2.0; count],
+            Pattern::Auto { .. } => Vec::new(),
             Pattern::Ripple(layout) => {
                 let outer = f64::from(layout.size[0]) * std::f64::consts::PI;
                 (1..=count).map(|ring| outer * ring as f64 / count as f64).collect()
