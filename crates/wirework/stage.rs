@@ -85,10 +85,14 @@ impl Stage {
         match &mut self.binding {
             Some(_) if settled && !self.creases.as_ref().is_some_and(Creases::moves) => Ok(()),
             Some(_) if settled => self.walk(seconds, base, triangles, spent),
-            _ => {
+            bound => {
+                let first = bound.is_none();
                 self.bind(seconds, base, triangles, spent)?;
                 if let Some(creases) = self.creases.as_mut().filter(|_| self.index > 0 && !self.told) {
-                    let reading = creases.compression(rest, base);
+                    if first && creases.is_driven() {
+                        creases.rest(rest);
+                    }
+                    let reading = creases.compression(base);
                     creases.record(0.0, vec![reading]);
                 }
                 if self.index > 0 {
@@ -240,8 +244,8 @@ impl Stage {
     }
 
     /// The compression at its creases.
-    pub(crate) fn compression(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
-        self.creases.as_ref().map_or_else(Vec::new, |creases| creases.compression(rest, now))
+    pub(crate) fn compression(&self, now: &[[f32; 3]]) -> Vec<f32> {
+        self.creases.as_ref().map_or_else(Vec::new, |creases| creases.compression(now))
     }
 
     /// Tells it the compression by a clip.
