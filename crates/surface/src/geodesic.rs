@@ -18,6 +18,8 @@ use crate::terrain::{Facet, Step, Terrain};
 const CORNER: f64 = 1.0 - 1e-9;
 /// A heading may leave the triangles round a corner by this sine before it counts as leaving the surface.
 const OUTSIDE: f64 = 1e-6;
+/// Edges that a walk crosses at most: hundreds of times round a limb. Whoever asks for more means no place in particular.
+const MOST_EDGES: usize = 1 << 16;
 /// Steps without progress after which a walker gives up: more than any sound fan of triangles needs.
 const STUCK: usize = 256;
 
@@ -103,10 +105,16 @@ impl Walker<'_> {
     }
 
     /// Walks straight ahead over `distance`, in the unit of the surface; `seen` is called at every edge that is crossed, and at
-    /// the end, with the way so far. Returns the way in all and why it ended.
+    /// the end, with the way so far. Returns the way in all and why it ended. A walk over more than 65 536 edges, which only a
+    /// closed surface is large enough for, is taken to have arrived.
     pub fn walk(&mut self, distance: f64, mut seen: impl FnMut(f64, Step)) -> (f64, Stop) {
+        // No number is no way.
+        let distance = distance.max(0.0);
         let (mut walked, mut idle) = (0.0, 0);
-        while walked < distance {
+        for _ in 0..MOST_EDGES {
+            if walked >= distance {
+                break;
+            }
             if let Err(stop) = self.enter() {
                 return (walked, stop);
             }
