@@ -299,6 +299,16 @@ pub enum WrinkleError {
         /// Spans they would have.
         needed: usize,
     },
+    /// The creases are so long, or have gone so far, that walking over the surface would take for ever.
+    #[error(
+        "{lines} lines of {length} in length are too long for this surface: to follow them over it would take for ever"
+    )]
+    TooLong {
+        /// Lines that were to be followed.
+        lines: usize,
+        /// The length of each.
+        length: f32,
+    },
     /// There are so many creases that laying them would take for ever.
     #[error("{creases} creases, branches included, are more than {MOST_CREASES}")]
     TooMany {
