@@ -10,7 +10,7 @@
 
 use glam::DVec3;
 
-use crate::adjacency::{Adjacency, BORDER, CROWDED};
+use crate::adjacency::{Adjacency, BORDER, CROWDED, proper};
 use crate::smooth::{fan_normal, smooth_normals};
 use crate::vector::wide;
 use crate::{NearestError, SurfacePoint};
@@ -352,6 +352,7 @@ impl Walker<'_> {
     fn choose(&mut self, corner: usize) -> Result<(), Stop> {
         let adjacency = &self.terrain.adjacency;
         let place = adjacency.triangles[self.triangle as usize][corner];
+        let before = self.triangle;
         self.face(corner);
         let left = self.normal.cross(self.heading);
         let here = self.terrain.positions[place as usize];
@@ -371,10 +372,36 @@ impl Walker<'_> {
                 best = (margin, Some((triangle, k)));
             }
         }
-        let Some((triangle, k)) = best.1 else { return Err(self.edge_of(place)) };
+        let Some((triangle, k)) = best.1.filter(|(ahead, _)| self.joined(place, before, *ahead)) else {
+            return Err(self.edge_of(place));
+        };
         (self.triangle, self.from) = (triangle, From::Corner(k));
         self.weights = DVec3::AXES[k];
         Ok(())
+    }
+
+    /// Whether one comes from one triangle at a corner to another round it, by edges of two triangles that agree about the outside.
+    fn joined(&self, place: u32, from: u32, to: u32) -> bool {
+        let adjacency = &self.terrain.adjacency;
+        // One that has a corner twice has no neighbours.
+        if !proper(adjacency.triangles[from as usize]) {
+            return true;
+        }
+        [0, 2].into_iter().any(|side| {
+            let mut triangle = from;
+            for _ in adjacency.fan(place) {
+                if triangle == to {
+                    return true;
+                }
+                let corners = adjacency.triangles[triangle as usize];
+                let Some(k) = corners.iter().position(|&corner| corner == place) else { return false };
+                triangle = adjacency.across(triangle, (k + side) % 3);
+                if triangle >= CROWDED {
+                    return false;
+                }
+            }
+            triangle == to
+        })
     }
 
     /// Why there is no way ahead at a corner.

@@ -64,6 +64,9 @@ impl Ground {
             (b - a).cross(c - a).length() / 2.0
         };
         let area: f64 = (0..surface.triangles.len() as u32).map(area).sum();
+        if area == 0.0 {
+            return Err(WrinkleError::NoArea);
+        }
         let spacing = (area / surface.triangles.len() as f64).sqrt();
         Ok(Self { nearest, terrain, spacing })
     }
@@ -72,7 +75,7 @@ impl Ground {
     /// sphere, they go round and round.
     pub(crate) fn check_walks(&self, lines: usize, length: f64, most: f64) -> Result<(), WrinkleError> {
         let crossings = lines as f64 * length / self.spacing;
-        if self.spacing > 0.0 && crossings > most {
+        if crossings > most {
             return Err(WrinkleError::TooLong { lines, length: length as f32 });
         }
         Ok(())

@@ -299,6 +299,9 @@ pub enum WrinkleError {
         /// Spans they would have.
         needed: usize,
     },
+    /// All its faces are lines or points.
+    #[error("the surface has no area")]
+    NoArea,
     /// The creases are so long, or have gone so far, that walking over the surface would take for ever.
     #[error(
         "{lines} lines of {length} in length are too long for this surface: to follow them over it would take for ever"

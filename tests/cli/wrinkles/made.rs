@@ -25,6 +25,7 @@ pub(super) fn document(points: &[DVec3], faces: &[[usize; 3]], node: DMat4, spli
     let local: Vec<f32> = local.collect();
     let mut doc = Doc::new();
     let positions = doc.floats("VEC3", &local);
+    bounds(&mut doc, positions, &local);
     let uvs: Vec<f32> = corners.iter().enumerate().flat_map(|(i, _)| [i as f32 * 1e-3, 0.5]).collect();
     let uvs = doc.floats("VEC2", &uvs);
     let indices = indices(&mut doc, &faces);
@@ -33,6 +34,14 @@ pub(super) fn document(points: &[DVec3], faces: &[[usize; 3]], node: DMat4, spli
     doc.node(json!({ "name": "sheet", "mesh": mesh, "matrix": node.to_cols_array() }));
     doc.json["scenes"] = json!([{ "nodes": [0] }]);
     doc
+}
+
+/// `min` and `max` of an accessor of positions.
+fn bounds(doc: &mut Doc, accessor: usize, positions: &[f32]) {
+    for (key, choose) in [("min", f32::min as fn(f32, f32) -> f32), ("max", f32::max)] {
+        let bound = [0, 1, 2].map(|a| positions.iter().skip(a).step_by(3).copied().reduce(choose).unwrap());
+        doc.json["accessors"][accessor][key] = json!(bound);
+    }
 }
 
 fn indices(doc: &mut Doc, faces: &[[usize; 3]]) -> usize {
@@ -71,8 +80,11 @@ pub(super) fn arm(sides: usize, rings: usize) -> Doc {
         x * x * (3.0 - 2.0 * x)
     };
     let count = (sides + 1) * (rings + 1);
+    let placed = each(&|x, out, _| (out * radius + DVec3::X * x).to_array().to_vec());
+    let positions = doc.floats("VEC3", &placed);
+    bounds(&mut doc, positions, &placed);
     let attributes = json!({
-        "POSITION": doc.floats("VEC3", &each(&|x, out, _| (out * radius + DVec3::X * x).to_array().to_vec())),
+        "POSITION": positions,
         "NORMAL": doc.floats("VEC3", &each(&|_, out, _| out.to_array().to_vec())),
         "TEXCOORD_0": doc.floats("VEC2", &each(&|x, _, j| vec![x, j as f64 / sides as f64])),
         "WEIGHTS_0": doc.floats("VEC4", &each(&|x, _, _| vec![1.0 - bent(x), bent(x), 0.0, 0.0])),

@@ -132,7 +132,7 @@ fn a_robot_keeps_its_clips_and_wears_its_wrinkles() {
          intensity: 0.01, propagation: Keys([(0, 0), (1, 1)]), refine: Auto)",
     );
     let told = place
-        .run_with(["apply", "dent.ron", input, "-o", "out.glb", "--into", "Walking"], b"")
+        .run_with(["apply", "dent.ron", input, "-o", "out.glb", "--into", "Robot_Walking"], b"")
         .expect(0)
         .err();
     let [old, new] = [Document::open(&path), Document::open(&place.path("out.glb"))];
@@ -144,7 +144,8 @@ fn a_robot_keeps_its_clips_and_wears_its_wrinkles() {
     assert_eq!(old.json["skins"], new.json["skins"]);
     // While it walks they ride on it: their height over the walk alone is what it is at rest.
     let bytes = [std::fs::read(&path).unwrap(), place.read("out.glb")];
-    let clip = |document: &gltf::Document| document.animations().position(|a| a.name() == Some("Walking"));
+    let clip =
+        |document: &gltf::Document| document.animations().position(|a| a.name() == Some("Robot_Walking"));
     let offset = |t: f64| {
         let [a, b] = [&bytes[0], &bytes[1]].map(|glb| oracle::evaluate_clip(glb, clip, t, true));
         let pairs = a.iter().zip(&b).flat_map(|(a, b)| a.positions.iter().zip(&b.positions));

@@ -95,7 +95,9 @@ fn a_ripple_of_half_the_circumference_reaches_round() {
     let preset = tube(&format!("pattern: Ripple, size: ({}, 1), creases: 4, stiffness: 0.6", 2.0 * half));
     let points = place.still(&preset, 0.0);
     let line = |side: f64| -> Vec<(f64, f64)> {
-        let on = points.iter().filter(|p| p.y.abs() < 1e-6 && side * angle(**p) > -1e-6);
+        let on = points
+            .iter()
+            .filter(|p| p.y.abs() < 1e-6 && (side * angle(**p) > -1e-6 || angle(**p).abs() > 3.14));
         let mut out: Vec<_> = on.map(|p| (angle(*p).abs() * RADIUS, stands(*p))).collect();
         out.sort_by(|a, b| a.0.total_cmp(&b.0));
         out
