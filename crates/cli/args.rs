@@ -96,7 +96,7 @@ pub(crate) struct Apply {
     /// The most morph targets a mesh may have, its own counted
     #[arg(long, default_value_t = 240, value_name = "N")]
     pub(crate) max_targets: usize,
-    /// The clip of the input that effects look at which depend on one; in this version none does. Default: the first
+    /// The clip of the input that drives effects with `drive: Strain`. Default: the first
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
     /// Add the effect to a clip of the input, by name or number, so that viewers play both; `new` makes a new clip

@@ -124,7 +124,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     let times =
         |length: Length| schedule(&job.when, length.seconds, length.animated, job.fps, job.max_frames);
     // How long a clip is that the effect follows is known when it has been read.
-    let expected = times(Length { animated: preset.animated || preset.follows_clip, ..Length::of(preset) })?;
+    let expected = times(Length { animated: preset.animated || preset.driven, ..Length::of(preset) })?;
     let target = target(job, &expected)?;
     let source = job.source();
     for path in source.files() {
@@ -154,7 +154,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     let clip = driving_clip(&motion.evaluation, &model, job.clip)?;
     let length = match (clip, &model) {
         (Some(clip), Model::Gltf { gltf, rest }) => {
-            Length::of(preset).with_clip(preset, sense(&mut motion, gltf, rest, &point_of, clip)?)
+            Length::of(preset).with_clip(preset, sense(&mut motion.evaluation, gltf, rest, &point_of, clip)?)
         }
         _ => Length::of(preset),
     };

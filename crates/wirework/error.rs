@@ -191,11 +191,16 @@ fn of_evaluation(error: &EvaluateError) -> Fault {
             error:
                 WrinkleError::NoNormal { .. }
                 | WrinkleError::NoNormalAtCenter
+                | WrinkleError::NoArea
                 | WrinkleError::Surface(NearestError::Vertex { .. }),
         } => Fault::Preset,
         // A point set, where the effect needs faces, or points at one place, where it needs an extent.
         EvaluateError::Wrinkle {
-            error: WrinkleError::Surface(_) | WrinkleError::NoNormal { .. } | WrinkleError::NoNormalAtCenter,
+            error:
+                WrinkleError::Surface(_)
+                | WrinkleError::NoNormal { .. }
+                | WrinkleError::NoNormalAtCenter
+                | WrinkleError::NoArea,
             ..
         }
         | EvaluateError::NoExtent { .. } => Fault::Asset,

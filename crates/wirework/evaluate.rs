@@ -199,6 +199,11 @@ impl<'a> Evaluation<'a> {
         }
     }
 
+    /// The effects, from 0, whose creases the clip does not compress enough to raise them: the most there is, and when.
+    pub(crate) fn unraised(&self) -> impl Iterator<Item = (usize, (f32, f64))> {
+        self.stages.iter().enumerate().filter_map(|(index, stage)| Some((index, stage.unraised()?)))
+    }
+
     /// What creases lack: each with its effect, from 0.
     pub(crate) fn crease_warnings(&self) -> impl Iterator<Item = (usize, &WrinkleWarning)> {
         self.stages.iter().enumerate().flat_map(|(index, stage)| stage.warnings().map(move |w| (index, w)))

@@ -38,6 +38,14 @@ impl Evaluation<'_> {
                 which(effect)
             )
         });
+        let unraised = self.unraised().map(|(effect, (most, seconds))| {
+            format!(
+                "the wrinkle{}: the surface is nowhere compressed across the creases by as much as `from` of `Strain`; the most \
+                 is {most:.3}, at {seconds:.2} s [no-strain]",
+                which(effect)
+            )
+        });
+        let unmoved = unmoved.chain(unraised);
         self.warnings.iter().cloned().chain(self.outside().map(line)).chain(creases).chain(unmoved).collect()
     }
 

@@ -207,10 +207,12 @@ fn refused(origin: &Origin, limits: &Limits) -> impl Fn(SubdivideError) -> JobEr
 }
 
 fn in_file(mut error: AssetError, origin: &Origin) -> AssetError {
-    if let Origin::File(file) = origin
-        && error.file.is_empty()
-    {
-        file.clone_into(&mut error.file);
+    if error.file.is_empty() {
+        match origin {
+            Origin::File(file) => file.clone_into(&mut error.file),
+            Origin::Preset => "the preset's object".clone_into(&mut error.file),
+            Origin::Program => {}
+        }
     }
     error
 }

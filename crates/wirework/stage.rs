@@ -243,6 +243,11 @@ impl Stage {
         self.is_driven() && !self.told && self.index == 0
     }
 
+    /// The greatest compression that a clip has told of, and when, where that raises nothing.
+    pub(crate) fn unraised(&self) -> Option<(f32, f64)> {
+        self.creases.as_ref().filter(|_| self.told)?.unraised()
+    }
+
     /// The compression at its creases.
     pub(crate) fn compression(&self, now: &[[f32; 3]]) -> Vec<f32> {
         self.creases.as_ref().map_or_else(Vec::new, |creases| creases.compression(now))

@@ -9,7 +9,6 @@ use wirework_wrinkle::{Drawn, Field, Pattern, SurfaceView, Wrinkle, WrinkleError
 use crate::evaluate::bounds_frame;
 use crate::film::find_clip;
 use crate::mask::masks;
-use crate::motion::Motion;
 use crate::reach::which;
 use crate::subject::unfit;
 use crate::{EvaluateError, Evaluation, JobError, Model, Subject};
@@ -141,24 +140,23 @@ fn moments(
     Ok(true)
 }
 
-/// Plays a clip of the scene that a motion moves, and tells its effects how the surface is compressed. Returns the clip's length in
+/// Plays a clip of the scene whose points effects move, and tells them how the surface is compressed. Returns the clip's length in
 /// seconds.
 ///
 /// # Errors
 ///
 /// The clip is malformed.
 pub(crate) fn sense(
-    motion: &mut Motion<'_>,
+    evaluation: &mut Evaluation<'_>,
     gltf: &Gltf,
     rest: &Rest,
     point_of: &[u32],
     clip: usize,
 ) -> Result<f64, JobError> {
-    let mut sensing = Sensing::new(&motion.evaluation);
-    let points = motion.points.to_vec();
-    let (step, duration) =
-        play(gltf, rest, point_of, &points, clip, |now| sensing.read(&motion.evaluation, now))?;
-    motion.evaluation.record(step, sensing.readings);
+    let mut sensing = Sensing::new(evaluation);
+    let points = evaluation.points();
+    let (step, duration) = play(gltf, rest, point_of, points, clip, |now| sensing.read(evaluation, now))?;
+    evaluation.record(step, sensing.readings);
     Ok(duration)
 }
 

@@ -9,7 +9,7 @@ use wirework_preset::{Effect, Object, Preset, PresetError};
 use wirework_surface::{Bounds, Mesh, Transform};
 
 use crate::mask::{Masks, masks};
-use crate::strain::found;
+use crate::strain::{driving_clip, found, sense};
 use crate::weld::Weld;
 use crate::{ControlNet, EvaluateError, Evaluation, JobError};
 
@@ -208,8 +208,8 @@ impl Subject {
         Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, origin })
     }
 
-    /// Binds the effects of a preset to the points. Files that it names are relative to `preset_dir`. Creases that are to be looked for are
-    /// found by the first clip.
+    /// Binds the effects of a preset to the points. Files that it names are relative to `preset_dir`. What a clip
+    /// drives is driven by the first.
     ///
     /// # Errors
     ///
@@ -252,6 +252,11 @@ impl Subject {
         let bound = Evaluation::masked(effects, masks, &self.points, &self.triangles, self.bounds());
         let mut evaluation = bound.map_err(unfit(&self.origin))?;
         evaluation.warnings.extend(unfound);
+        if let (Some(clip), Model::Gltf { gltf, rest }) =
+            (driving_clip(&evaluation, &self.model, None)?, &self.model)
+        {
+            sense(&mut evaluation, gltf, rest, &self.point_of, clip)?;
+        }
         Ok(evaluation)
     }
 

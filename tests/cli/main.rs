@@ -21,6 +21,7 @@ mod real_files;
 mod render;
 mod storage;
 mod tangents;
+mod wrinkles;
 
 #[path = "../../crates/asset/tests/oracle/mod.rs"]
 mod oracle;

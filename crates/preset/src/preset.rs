@@ -33,6 +33,8 @@ pub struct Preset {
     /// Whether it looks at a clip of what it is applied to, and no duration was given: then it lasts as long as that, if that
     /// is longer.
     pub follows_clip: bool,
+    /// Whether a clip of what it is applied to moves it.
+    pub driven: bool,
 }
 
 /// One effect: of a preset, where all its values are good, or of a program's own.
@@ -154,6 +156,7 @@ fn read(reader: &mut Reader<'_>, root: &Node) -> Option<Preset> {
         duration: scene.duration,
         animated: scene.animated,
         follows_clip: scene.follows_clip,
+        driven: scene.driven,
     })
 }
 
@@ -166,6 +169,7 @@ struct Scene {
     duration: f64,
     animated: bool,
     follows_clip: bool,
+    driven: bool,
 }
 
 const EFFECTS: [&str; 3] = ["Deform", "Wrinkle", "Stack"];
@@ -253,6 +257,7 @@ fn duration(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &Clock, sce
     scene.duration = scene.duration.max(given.or(clock.last).unwrap_or(flowing));
     scene.animated |= clock.moves;
     scene.follows_clip |= clock.follows && given.is_none();
+    scene.driven |= clock.follows;
 }
 
 /// What the tracks of an effect say about time.

@@ -186,6 +186,9 @@ fn drawn(reader: &mut Reader<'_>, node: &Node, clock: &mut Clock) -> Option<Vec<
 
 /// `(count: 3, depth: 1)`.
 fn branches(reader: &mut Reader<'_>, node: &Node) -> Option<Branches> {
+    if !matches!(node.body, Body::Fields(_)) {
+        return reader.mismatch(node, "`(count: 3, depth: 1)`");
+    }
     let mut fields = reader.fields(node, "branches")?;
     let mut number = |reader: &mut Reader<'_>, key| {
         reader.field(&mut fields, key, 0, |reader, node| {
@@ -245,6 +248,9 @@ fn motion(reader: &mut Reader<'_>, node: &Node, clock: &mut Clock) -> Option<Mot
 }
 
 fn travelling(reader: &mut Reader<'_>, node: &Node) -> Option<Motion> {
+    if !matches!(node.body, Body::Fields(_)) {
+        return reader.mismatch(node, "`Travelling(velocity: (along, across))`");
+    }
     let mut fields = reader.fields(node, "Travelling")?;
     let velocity = reader.required(&mut fields, "velocity", |reader, node| {
         let items: &[Node; 2] = reader.tuple(node, "metres a second `(along, across)`")?;

@@ -109,7 +109,7 @@ impl Adjacency {
 }
 
 /// Whether a triangle has three places.
-fn proper([a, b, c]: [u32; 3]) -> bool {
+pub(crate) fn proper([a, b, c]: [u32; 3]) -> bool {
     a != b && b != c && c != a
 }
 

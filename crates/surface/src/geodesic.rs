@@ -11,7 +11,7 @@
 use glam::DVec3;
 
 use crate::SurfacePoint;
-use crate::adjacency::{BORDER, CROWDED};
+use crate::adjacency::{BORDER, CROWDED, proper};
 use crate::terrain::{Facet, Step, Terrain};
 
 /// A place this near a corner, in parts of the triangle, is the corner: beyond lies rounding.
@@ -155,6 +155,7 @@ impl Walker<'_> {
     fn choose(&mut self, corner: usize) -> Result<(), Stop> {
         let adjacency = &self.terrain.adjacency;
         let place = adjacency.triangles[self.triangle as usize][corner];
+        let before = self.triangle;
         self.face(corner);
         let left = self.normal.cross(self.heading);
         let here = self.terrain.positions[place as usize];
@@ -174,10 +175,36 @@ impl Walker<'_> {
                 best = (margin, Some((triangle, k)));
             }
         }
-        let Some((triangle, k)) = best.1 else { return Err(self.edge_of(place)) };
+        let Some((triangle, k)) = best.1.filter(|(ahead, _)| self.joined(place, before, *ahead)) else {
+            return Err(self.edge_of(place));
+        };
         (self.triangle, self.from) = (triangle, From::Corner(k));
         self.weights = DVec3::AXES[k];
         Ok(())
+    }
+
+    /// Whether one comes from one triangle at a corner to another round it, by edges of two triangles that agree about the outside.
+    fn joined(&self, place: u32, from: u32, to: u32) -> bool {
+        let adjacency = &self.terrain.adjacency;
+        // One that has a corner twice has no neighbours.
+        if !proper(adjacency.triangles[from as usize]) {
+            return true;
+        }
+        [0, 2].into_iter().any(|side| {
+            let mut triangle = from;
+            for _ in adjacency.fan(place) {
+                if triangle == to {
+                    return true;
+                }
+                let corners = adjacency.triangles[triangle as usize];
+                let Some(k) = corners.iter().position(|&corner| corner == place) else { return false };
+                triangle = adjacency.across(triangle, (k + side) % 3);
+                if triangle >= CROWDED {
+                    return false;
+                }
+            }
+            triangle == to
+        })
     }
 
     /// Why there is no way ahead at a corner.

@@ -235,8 +235,10 @@ impl Search<'_> {
         for from in 0..self.line.steps.len() {
             for place in terrain.adjacency.triangles[self.line.steps[from].triangle as usize] {
                 self.offer(place, from as u32);
-                // The line lies in this triangle, however far its corners are.
-                self.buffer.stack.push(place);
+                // The line lies in this triangle, however far its corners are; but so far that the square is beyond f32.
+                if self.buffer.air[place as usize] != UNKNOWN {
+                    self.buffer.stack.push(place);
+                }
             }
         }
         while let Some(place) = self.buffer.stack.pop() {

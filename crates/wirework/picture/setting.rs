@@ -118,7 +118,7 @@ impl Setting {
         if let (Some(motion), Some(clip)) = (&mut motion, clip)
             && motion.evaluation.is_driven()
         {
-            sense(motion, &self.gltf, &self.rest, &self.point_of, clip)?;
+            sense(&mut motion.evaluation, &self.gltf, &self.rest, &self.point_of, clip)?;
         }
         Show::new(self, motion, clip, job, self.warnings.clone())
     }

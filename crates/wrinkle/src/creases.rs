@@ -141,6 +141,12 @@ impl Creases {
         self.record = Record::new(step, readings, settle);
     }
 
+    /// The greatest compression across a crease that was told of, and when, seconds, where none is large enough to raise any.
+    pub fn unraised(&self) -> Option<(f32, f64)> {
+        let from = self.settings.drive?.from;
+        self.record.most().filter(|(most, _)| *most <= from)
+    }
+
     /// Whether references move over the surface, so that [`Creases::at`] is to be called for each moment.
     pub fn moves(&self) -> bool {
         self.settings.moves()

@@ -5,11 +5,19 @@ use wirework_surface::{Nearest, NearestError, Step, Terrain};
 
 use crate::{SurfaceView, WrinkleError};
 
+/// Triangles that the creases of a moment may cross: a second of work, which travelling ones take in each frame. Five that have gone
+/// sixty metres over edges of two millimetres cross a fifth of that.
+pub(crate) const MOST_CROSSINGS: f64 = (1 << 20) as f64;
+/// Triangles that the rays of a ripple may cross, once for all frames: a few seconds, and half a gigabyte.
+pub(crate) const MOST_CROSSINGS_OF_RAYS: f64 = (1 << 22) as f64;
+
 /// A surface ready to receive creases.
 #[derive(Debug)]
 pub(crate) struct Ground {
     pub(crate) nearest: Nearest,
     pub(crate) terrain: Terrain,
+    /// The side of a square as large as its triangles are in the mean: the way between two edges of a line over it.
+    spacing: f64,
 }
 
 /// A point of the surface and the outward direction there.
@@ -49,10 +57,28 @@ impl Anchor {
 
 impl Ground {
     pub(crate) fn new(surface: &SurfaceView<'_>) -> Result<Self, WrinkleError> {
-        Ok(Self {
-            nearest: Nearest::new(surface.positions, surface.triangles)?,
-            terrain: Terrain::new(surface.positions, surface.triangles)?,
-        })
+        let nearest = Nearest::new(surface.positions, surface.triangles)?;
+        let terrain = Terrain::new(surface.positions, surface.triangles)?;
+        let area = |triangle: u32| {
+            let [a, b, c] = terrain.corners_of(triangle).map(DVec3::from);
+            (b - a).cross(c - a).length() / 2.0
+        };
+        let area: f64 = (0..surface.triangles.len() as u32).map(area).sum();
+        if area == 0.0 {
+            return Err(WrinkleError::NoArea);
+        }
+        let spacing = (area / surface.triangles.len() as f64).sqrt();
+        Ok(Self { nearest, terrain, spacing })
+    }
+
+    /// Refuses so many lines of a length where to walk them all would take for ever: on a surface without an end, such as a
+    /// sphere, they go round and round.
+    pub(crate) fn check_walks(&self, lines: usize, length: f64, most: f64) -> Result<(), WrinkleError> {
+        let crossings = lines as f64 * length / self.spacing;
+        if crossings > most {
+            return Err(WrinkleError::TooLong { lines, length: length as f32 });
+        }
+        Ok(())
     }
 
     /// The nearest point of the surface; `None` only where `p` is out of range.

@@ -2,10 +2,10 @@
 
 use wirework_surface::{Stop, Walker};
 
-use crate::ground::{Ground, wide};
+use crate::ground::{Ground, MOST_CROSSINGS, wide};
 use crate::ripple::Rays;
 use crate::trace::Trace;
-use crate::{Layout, Pattern, Wrinkle, WrinkleError, WrinkleWarning, drawn, radial, tangential};
+use crate::{Layout, Motion, Pattern, Wrinkle, WrinkleError, WrinkleWarning, drawn, radial, tangential};
 
 /// The part of a crease that may be missing without a word: less than anyone sees.
 const SHORT: f64 = 1e-3;
@@ -49,11 +49,28 @@ pub(crate) fn prepare(ground: &Ground, settings: &Wrinkle, thickness: f32) -> Re
     let rays = match &settings.pattern {
         Pattern::Ripple(layout) => {
             let (walker, _) = start(ground, layout)?;
-            Some(Rays::new(&walker, f64::from(layout.size[0]) / 2.0, settings, f64::from(thickness)))
+            Some(Rays::new(ground, &walker, f64::from(layout.size[0]) / 2.0, settings, f64::from(thickness))?)
         }
         _ => None,
     };
     Ok(Prepared { rays })
+}
+
+/// Refuses lines that would wind round the surface for ever. Rings do not walk once their rays have.
+fn check_walks(ground: &Ground, settings: &Wrinkle, seconds: f64) -> Result<(), WrinkleError> {
+    let way = match settings.motion {
+        Motion::Travelling { velocity: [along, across] } => {
+            f64::from(along).hypot(f64::from(across)) * seconds
+        }
+        Motion::Anchored | Motion::Curtain(_) => 0.0,
+    };
+    let length = match &settings.pattern {
+        Pattern::Drawn(_) | Pattern::Auto { .. } => 0.0,
+        Pattern::Tangential(layout) => f64::from(layout.size[0].max(layout.size[1])),
+        Pattern::Radial(layout, _) => f64::from(layout.size[0]) / 2.0,
+        Pattern::Ripple(_) => return Ok(()),
+    };
+    ground.check_walks(settings.crease_count(), length + way, MOST_CROSSINGS)
 }
 
 /// The lines of a pattern at a moment.
@@ -65,6 +82,7 @@ pub(crate) fn lines(
     thickness: f32,
 ) -> Result<Lines, WrinkleError> {
     let mut lines = Lines::default();
+    check_walks(ground, settings, seconds)?;
     match &settings.pattern {
         Pattern::Drawn(curves) => {
             for (index, drawn) in curves.iter().enumerate() {

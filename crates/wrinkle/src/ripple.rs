@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 
 use wirework_surface::{Step, Stop, Walker};
 
-use crate::ground::Ground;
+use crate::ground::{Ground, MOST_CROSSINGS_OF_RAYS};
 use crate::pattern::{Line, Lines};
 use crate::random::{Jitter, unit};
 use crate::trace::{Trace, position};
-use crate::{Layout, Motion, Wrinkle};
+use crate::{Layout, Motion, Wrinkle, WrinkleError};
 
 /// Rays in the length of a thickness on the outermost ring, and how many there are at least, for its shape, and at most.
 const RAYS_A_THICKNESS: f64 = 3.0;
@@ -68,7 +68,9 @@ impl Ray {
             return self.steps.first().copied();
         }
         let (a, b) = (self.lengths[next - 1], self.lengths[next]);
-        let p = position(&self.steps[next - 1]).lerp(position(&self.steps[next]), (distance - a) / (b - a));
+        // Of two that are equal the second is meant.
+        let x = if b > a { (distance - a) / (b - a) } else { 1.0 };
+        let p = position(&self.steps[next - 1]).lerp(position(&self.steps[next]), x);
         ground.terrain.within(self.steps[next].triangle, p.to_array()).or_else(|| ground.step(p))
     }
 }
@@ -81,16 +83,24 @@ struct Ring {
 
 impl Rays {
     /// From a walker at the centre, as far as any ring gets.
-    pub(crate) fn new(center: &Walker<'_>, outer: f64, settings: &Wrinkle, thickness: f64) -> Self {
+    pub(crate) fn new(
+        ground: &Ground,
+        center: &Walker<'_>,
+        outer: f64,
+        settings: &Wrinkle,
+        thickness: f64,
+    ) -> Result<Self, WrinkleError> {
         let farthest = if travels(settings) { 2.0 * outer } else { outer };
         let wanted = TAU * outer / thickness * RAYS_A_THICKNESS;
         let count = (wanted as usize).clamp(*RAYS.start(), *RAYS.end());
+        let length = farthest * (BEYOND + f64::from(settings.randomness));
+        ground.check_walks(count, length, MOST_CROSSINGS_OF_RAYS)?;
         let ray = |i: usize| {
             let mut walker = center.clone();
             walker.turn(TAU * i as f64 / count as f64);
-            Ray::new(walker, farthest * (BEYOND + f64::from(settings.randomness)))
+            Ray::new(walker, length)
         };
-        Self { list: (0..count).map(ray).collect() }
+        Ok(Self { list: (0..count).map(ray).collect() })
     }
 
     /// Lays the rings of a moment.

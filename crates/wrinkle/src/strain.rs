@@ -222,6 +222,16 @@ impl Record {
         Self { step, readings }
     }
 
+    /// The greatest compression there is at any time, and when, seconds; none where nothing is known.
+    pub(crate) fn most(&self) -> Option<(f32, f64)> {
+        let of = |(i, reading): (usize, &Vec<f32>)| {
+            let most = reading.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            (most, self.step * i as f64)
+        };
+        let all = self.readings.iter().enumerate().filter(|(_, reading)| !reading.is_empty()).map(of);
+        all.reduce(|a, b| if b.0 > a.0 { b } else { a })
+    }
+
     /// What part of their height the nodes have at a time; before the first reading and after the last what they have there.
     pub(crate) fn raise(&self, strain: &Strain, seconds: f64, node: usize) -> f64 {
         let Some(last) = self.readings.len().checked_sub(1) else { return 0.0 };

@@ -173,7 +173,8 @@ impl Trace {
         }
         let next = self.lengths.partition_point(|&l| l <= s).clamp(1, self.lengths.len() - 1);
         let (a, b) = (self.lengths[next - 1], self.lengths[next]);
-        let x = ((s - a) / (b - a)).clamp(0.0, 1.0);
+        // A last step may be too short to be seen in the length.
+        let x = if b > a { ((s - a) / (b - a)).clamp(0.0, 1.0) } else { 1.0 };
         let p = position(&self.steps[next - 1]).lerp(position(&self.steps[next]), x);
         let within = self
             .triangles

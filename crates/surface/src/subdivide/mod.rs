@@ -31,6 +31,8 @@ pub use mesh::MeshSubdivision;
 /// An edge may be longer than wanted by this part of it, so that a mesh whose edges are just as long as wanted is left
 /// alone: with f32 its edges are so only up to rounding. Without it the work could be four times as much for nothing.
 const SLACK: f64 = 1e-4;
+/// More than the edges that rounding keeps from being halved, in parts of the distance from the origin.
+const STEPS_OF_F32: f64 = 64.0 * f32::EPSILON as f64;
 
 /// An edge is not halved where a half, its end rounded to f32, would be longer than this part of it: what is a few steps
 /// of f32 long gets no shorter, and would be halved for ever.
@@ -225,6 +227,7 @@ pub(crate) struct Halving {
 
 impl Halving {
     pub(crate) fn run(mut self, triangles: &[[u32; 3]]) -> Result<Subdivision, SubdivideError> {
+        self.check_areas(triangles)?;
         let places = self.at.len();
         let (mut parents, mut place_parents) = (Vec::new(), Vec::new());
         let mut done: Vec<(u32, [u32; 3])> = Vec::with_capacity(triangles.len());
@@ -260,6 +263,25 @@ impl Halving {
         debug_assert_eq!(self.at.len(), places + place_parents.len());
         let (sources, triangles) = done.into_iter().unzip();
         Ok(Subdivision { parents, place_of, place_parents, triangles, sources })
+    }
+
+    /// Refuses before anything is made what the areas alone say will be too many triangles: none of those that come out of one
+    /// is larger than an equilateral one of the longest edge that its corners want.
+    fn check_areas(&self, triangles: &[[u32; 3]]) -> Result<(), SubdivideError> {
+        let least = |triangle: &[u32; 3]| {
+            let places = triangle.map(|v| self.place_of[v as usize] as usize);
+            let corners = places.map(|place| self.at[place]);
+            let [a, b, c] = corners;
+            let wanted =
+                places.into_iter().map(|place| self.longest[place]).fold(0.0, f64::max) * (1.0 + SLACK);
+            // Edges of a few steps of f32 stay, however short they are wanted.
+            let step = corners.into_iter().map(DVec3::length).fold(0.0, f64::max) * STEPS_OF_F32;
+            let largest = 3.0_f64.sqrt() / 4.0 * wanted.max(step).powi(2);
+            let parts = (b - a).cross(c - a).length() / 2.0 / largest;
+            if parts > 1.0 { parts } else { 1.0 }
+        };
+        let least: f64 = triangles.iter().map(least).sum();
+        self.count(0, least as usize)
     }
 
     fn edge(&self, [v, w]: [u32; 2]) -> Edge {
