@@ -4,7 +4,7 @@ use serde::Serialize;
 use wirework_asset::{AssetError, Gltf, Limits, Obj, RefinedMesh, Rest};
 use wirework_preset::{Action, Effect};
 use wirework_surface::{
-    Mesh, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, subdivide,
+    Mesh, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, smooth_normals, subdivide,
 };
 use wirework_wrinkle::{SurfaceView, creases};
 
@@ -33,6 +33,8 @@ pub struct FinerMesh {
     pub after: usize,
 }
 
+/// Between normals that leave less than this the surface has no side.
+const SIDELESS: f32 = 1e-3;
 /// Moments at which creases that walk over the surface are looked for.
 const MOMENTS: u32 = 48;
 
@@ -110,7 +112,12 @@ impl Subject {
                     .check_mesh(positions as u64, finer.corners.len() as u64)
                     .map_err(|error| in_file(error, &origin))?;
                 let done = FinerMesh { name: name.clone(), before: mesh.positions.len(), after: positions };
-                let (mesh, obj) = finer_mesh(&mesh, obj.as_deref(), &finer, limits)?;
+                let smooth = smooth(&mesh, &finer);
+                let (mut mesh, obj) = finer_mesh(&mesh, obj.as_deref(), &finer, limits)?;
+                if let Some(normals) = smooth {
+                    mesh.normals = normals;
+                    mesh.corners.iter_mut().for_each(|corner| corner.normal = Some(corner.position));
+                }
                 let subject = Self { origin, ..Self::new(Model::Mesh { name, mesh, obj })? };
                 Ok((subject, Refinement { meshes: vec![done], ..Refinement::default() }))
             }
@@ -140,6 +147,22 @@ fn finer_mesh(
     let Some(obj) = obj else { return Ok((finer.apply(mesh), None)) };
     let own = Box::new(obj.refined(finer, limits)?);
     Ok((if *mesh == obj.mesh { own.mesh.clone() } else { finer.apply(mesh) }, Some(own)))
+}
+
+/// Normals of a mesh that has none, at its finer positions: those of the coarse one between them. From the finer faces themselves they would
+/// be flat but at the old edges. None where it has its own, or has no side somewhere.
+fn smooth(mesh: &Mesh, finer: &MeshSubdivision) -> Option<Vec<[f32; 3]>> {
+    let triangles = mesh.triangles().ok().filter(|_| mesh.normals.is_empty())?;
+    let coarse = smooth_normals(&mesh.positions, &triangles);
+    let mut normals = Subdivision::middles(&coarse, &finer.positions);
+    for normal in &mut normals {
+        let length = normal.iter().map(|c| c * c).sum::<f32>().sqrt();
+        if length.is_nan() || length < SIDELESS {
+            return None;
+        }
+        *normal = normal.map(|c| c / length);
+    }
+    Some(normals)
 }
 
 /// A scene with finer meshes. New vertices share a point where their parents do, even if rounding has put them apart: no

@@ -306,13 +306,13 @@ impl Creases {
     /// Whether edges across the folds are too long to show them.
     fn coarse(&self) -> Option<WrinkleWarning> {
         let across = |crease: &Crease| {
-            let edges = crease.steps.windows(2).flat_map(|pair| {
+            let edges = crease.steps.windows(2).map(|pair| {
                 let along = (position(&pair[1]) - position(&pair[0])).normalize_or_zero();
-                let edges = self.ground.terrain.edges(pair[1].triangle);
-                edges.map(move |edge| {
-                    let edge = DVec3::from(edge);
-                    (edge - along * edge.dot(along)).length()
-                })
+                let edges = self.ground.terrain.edges(pair[1].triangle).map(DVec3::from);
+                let mut across: Vec<f64> = edges.map(|e| (e - along * e.dot(along)).length()).collect();
+                across.sort_unstable_by(f64::total_cmp);
+                // The longest of a half of a square is its diagonal, beside which there is another corner.
+                across.get(1).copied().unwrap_or(0.0)
             });
             edges.fold(0.0, f64::max)
         };
