@@ -10,6 +10,7 @@ mod strained;
 mod surfaces;
 mod tube;
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
 use glam::DVec3;
@@ -70,6 +71,15 @@ fn sheet(min: [f64; 2], max: [f64; 2], cells: [usize; 2]) -> (Vec<DVec3>, Vec<[u
     };
     let faces = (0..n).flat_map(|i| (0..m).flat_map(move |j| cell(i, j))).collect();
     (points, faces)
+}
+
+/// Vertices that were at one place are at one place.
+fn shut(rest: &[DVec3], now: &[DVec3]) {
+    let mut seen: HashMap<[i64; 3], DVec3> = HashMap::new();
+    for (p, q) in rest.iter().zip(now) {
+        let first = *seen.entry((*p * 1e5).round().to_array().map(|c| c as i64)).or_insert(*q);
+        assert!(first.distance(*q) < 1e-6, "a crack at {p}: {first} and {q}");
+    }
 }
 
 impl Place {
