@@ -14,7 +14,7 @@ use crate::output::{Pattern, Scene, Target};
 use crate::refine::refined;
 use crate::report::peak_bytes;
 use crate::source::{Source, parts};
-use crate::strain::{Length, driving_clip, sense};
+use crate::strain::{Length, driving_clip, found, sense};
 use crate::subject::Model;
 use crate::{JobError, Report, Schedule, When, schedule};
 
@@ -130,24 +130,27 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     for path in source.files() {
         guard_report(job, &path)?;
     }
-    let (subject, refinement) = refined(source.subject()?, preset, &job.limits)?;
+    let subject = source.subject()?;
+    if let Some(clip) = job.clip {
+        check_clip(&subject.model, clip)?;
+    }
+    let (effects, unfound) = found(&subject, preset, (source.folder(), &job.limits), job.clip)?;
+    let (subject, refinement) = refined(subject, &effects, preset.duration, &job.limits)?;
     let mut report = Report {
         points: subject.position_count(),
         threads: rayon::current_num_threads(),
         warnings: subject.warnings(),
         ..Report::default()
     };
+    report.warnings.extend(unfound);
     report.warnings.extend(refinement.warnings);
     report.refined = refinement.meshes;
-    let masks = masks(&subject, &preset.effects, source.folder(), &job.limits)?.complete()?;
+    let masks = masks(&subject, &effects, source.folder(), &job.limits)?.complete()?;
     let (basis, model, point_of) = Basis::of(subject);
-    if let Some(clip) = job.clip {
-        check_clip(&model, clip)?;
-    }
     for path in parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())) {
         guard_report(job, &path)?;
     }
-    let mut motion = basis.bind(&preset.effects, masks)?;
+    let mut motion = basis.bind(&effects, masks)?;
     let clip = driving_clip(&motion.evaluation, &model, job.clip)?;
     let length = match (clip, &model) {
         (Some(clip), Model::Gltf { gltf, rest }) => {

@@ -188,7 +188,7 @@ impl<'a> Evaluation<'a> {
 
     /// The compression that drives an effect, where the points have moved to `now`; for [`Evaluation::record`].
     pub(crate) fn compression(&self, effect: usize, now: &[[f32; 3]]) -> Vec<f32> {
-        self.stages.get(effect).map_or_else(Vec::new, |stage| stage.compression(self.points, now))
+        self.stages.get(effect).map_or_else(Vec::new, |stage| stage.compression(now))
     }
 
     /// Tells each effect the compression that drives it, at equal steps from 0 s on. Without that an effect is driven by what the
@@ -201,10 +201,7 @@ impl<'a> Evaluation<'a> {
 
     /// What creases lack: each with its effect, from 0.
     pub(crate) fn crease_warnings(&self) -> impl Iterator<Item = (usize, &WrinkleWarning)> {
-        self.stages
-            .iter()
-            .enumerate()
-            .flat_map(|(index, stage)| stage.warnings().iter().map(move |w| (index, w)))
+        self.stages.iter().enumerate().flat_map(|(index, stage)| stage.warnings().map(move |w| (index, w)))
     }
 
     /// The effects, from 0, that compression is to drive and that nothing tells of any.

@@ -40,7 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A **preset** is an effect as text: wires with keys, or a wrinkle drawn on a surface. An [`Evaluation`] binds its effects
+//! A **preset** is an effect as text: wires with keys, or a wrinkle on a surface. An [`Evaluation`] binds its effects
 //! to points and gives them back at any time.
 //!
 //! ```
@@ -108,7 +108,7 @@
 //! | module | its job |
 //! |---|---|
 //! | [`core`] | curves, wires, lattices, binding, deforming |
-//! | [`surface`] | meshes, primitives, patches, normals, the nearest point |
+//! | [`surface`] | meshes, primitives, patches, normals, the nearest point, geodesics |
 //! | [`wrinkle`] | crease wires from a pattern on a surface |
 //! | [`preset`] | RON text to a checked effect |
 //! | [`asset`] | glTF and OBJ: reading, and writing behind what was there |

@@ -52,7 +52,8 @@ impl Evaluation<'_> {
     }
 }
 
-fn which(effect: usize) -> String {
+/// Which effect of a stack, but the first.
+pub(crate) fn which(effect: usize) -> String {
     if effect == 0 { String::new() } else { format!(" (number {effect} of the stack, from 0)") }
 }
 

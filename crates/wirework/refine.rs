@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use wirework_asset::{AssetError, Gltf, Limits, Obj, RefinedMesh, Rest};
-use wirework_preset::{Action, Preset};
+use wirework_preset::{Action, Effect};
 use wirework_surface::{
     Mesh, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, subdivide,
 };
@@ -36,22 +36,23 @@ pub struct FinerMesh {
 /// Moments at which creases that walk over the surface are looked for.
 const MOMENTS: u32 = 48;
 
-/// The subject made finer where effects of a preset that ask for it fold it. Effects are looked for where they act on the rest.
+/// The subject made finer where effects that ask for it fold it, in the course of `duration` seconds. Effects are looked for where they act on the rest.
 ///
 /// # Errors
 ///
 /// As [`Subject::refined`]; the pattern of an effect does not fit the subject.
 pub(crate) fn refined(
     subject: Subject,
-    preset: &Preset,
+    effects: &[Effect],
+    duration: f64,
     limits: &Limits,
 ) -> Result<(Subject, Refinement), JobError> {
-    if !preset.effects.iter().any(|effect| effect.refine) {
+    if !effects.iter().any(|effect| effect.refine) {
         return Ok((subject, Refinement::default()));
     }
     let frame = bounds_frame(subject.bounds());
     let mut wanted = vec![f32::INFINITY; subject.points.len()];
-    for (index, effect) in preset.effects.iter().enumerate().filter(|(_, effect)| effect.refine) {
+    for (index, effect) in effects.iter().enumerate().filter(|(_, effect)| effect.refine) {
         let Action::Wrinkle(wrinkle) = effect.placed(&frame).action else { continue };
         let fail = |error| unfit(&subject.origin)(EvaluateError::Wrinkle { effect: index, error });
         let surface = SurfaceView { positions: &subject.points, triangles: &subject.triangles };
@@ -59,7 +60,7 @@ pub(crate) fn refined(
         creases.want_edges(&mut wanted);
         let moments = if creases.moves() { MOMENTS } else { 0 };
         for moment in 1..=moments {
-            let seconds = preset.duration * f64::from(moment) / f64::from(MOMENTS);
+            let seconds = duration * f64::from(moment) / f64::from(MOMENTS);
             creases.at(seconds, None).map_err(fail)?;
             creases.want_edges(&mut wanted);
         }

@@ -25,6 +25,8 @@ pub(crate) struct Stage {
     near: Vec<Near>,
     /// Whether a clip has told how it compresses the surface.
     told: bool,
+    /// Whether its surface is made finer where it needs that.
+    refine: bool,
     /// Of the points, or else of the lattice's control points.
     binding: Option<Binding>,
     lattice: Option<Ffd>,
@@ -60,6 +62,7 @@ impl Stage {
             creases: None,
             near: Vec::new(),
             told: false,
+            refine: effect.refine,
             binding: None,
             lattice: lattice.map(ffd),
             bound_to: Vec::new(),
@@ -82,10 +85,14 @@ impl Stage {
         match &mut self.binding {
             Some(_) if settled && !self.creases.as_ref().is_some_and(Creases::moves) => Ok(()),
             Some(_) if settled => self.walk(seconds, base, triangles, spent),
-            _ => {
+            bound => {
+                let first = bound.is_none();
                 self.bind(seconds, base, triangles, spent)?;
                 if let Some(creases) = self.creases.as_mut().filter(|_| self.index > 0 && !self.told) {
-                    let reading = creases.compression(rest, base);
+                    if first && creases.is_driven() {
+                        creases.rest(rest);
+                    }
+                    let reading = creases.compression(base);
                     creases.record(0.0, vec![reading]);
                 }
                 if self.index > 0 {
@@ -237,8 +244,8 @@ impl Stage {
     }
 
     /// The compression at its creases.
-    pub(crate) fn compression(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
-        self.creases.as_ref().map_or_else(Vec::new, |creases| creases.compression(rest, now))
+    pub(crate) fn compression(&self, now: &[[f32; 3]]) -> Vec<f32> {
+        self.creases.as_ref().map_or_else(Vec::new, |creases| creases.compression(now))
     }
 
     /// Tells it the compression by a clip.
@@ -250,8 +257,10 @@ impl Stage {
     }
 
     /// What the creases lack.
-    pub(crate) fn warnings(&self) -> &[WrinkleWarning] {
-        self.creases.as_ref().map_or(&[], Creases::warnings)
+    pub(crate) fn warnings(&self) -> impl Iterator<Item = &WrinkleWarning> {
+        let all = self.creases.as_ref().map_or(&[][..], Creases::warnings).iter();
+        // What is to be made finer is not too coarse.
+        all.filter(|warning| !(self.refine && matches!(warning, WrinkleWarning::Coarse { .. })))
     }
 
     /// The lattice's control points along each axis, and where they are.

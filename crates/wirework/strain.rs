@@ -1,14 +1,23 @@
 //! The compression of a model by one of its clips, for the effects that it drives.
 
-use wirework_asset::{Gltf, Rest};
-use wirework_preset::Preset;
+use std::path::Path;
 
+use wirework_asset::{Gltf, Limits, Rest};
+use wirework_preset::{Action, Effect, Preset};
+use wirework_wrinkle::{Drawn, Field, Pattern, SurfaceView, Wrinkle, WrinkleError};
+
+use crate::evaluate::bounds_frame;
 use crate::film::find_clip;
+use crate::mask::masks;
 use crate::motion::Motion;
-use crate::{Evaluation, JobError, Model};
+use crate::reach::which;
+use crate::subject::unfit;
+use crate::{EvaluateError, Evaluation, JobError, Model, Subject};
 
 /// Looks at a clip in steps of so many seconds: twice as fine as what films show.
 const STEP: f64 = 1.0 / 60.0;
+/// Moments at which effects are looked at that come before one that follows their compression.
+const MOMENTS: u32 = 48;
 /// Looks at a clip at most; of a longer one in coarser steps.
 const MOST: usize = 4096;
 
@@ -52,6 +61,86 @@ impl Length {
     }
 }
 
+/// The effects of a preset, with drawn creases in the place of those that are to be looked for where the subject is compressed: by the
+/// clip that is asked for or the first, or else by the effects before. One that finds nothing is left out, with a warning.
+///
+/// # Errors
+///
+/// There is no such clip, or nothing that moves the subject; an effect before does not fit it.
+pub(crate) fn found(
+    subject: &Subject,
+    preset: &Preset,
+    (folder, limits): (&Path, &Limits),
+    clip: Option<&str>,
+) -> Result<(Vec<Effect>, Vec<String>), JobError> {
+    let (mut effects, mut warnings) = (Vec::new(), Vec::new());
+    let frame = bounds_frame(subject.bounds());
+    for (index, effect) in preset.effects.iter().enumerate() {
+        let placed = effect.placed(&frame);
+        let Action::Wrinkle(wrinkle) = &placed.action else {
+            effects.push(effect.clone());
+            continue;
+        };
+        if !matches!(wrinkle.pattern, Pattern::Auto { .. }) {
+            effects.push(effect.clone());
+            continue;
+        }
+        let fail = |error| unfit(&subject.origin)(EvaluateError::Wrinkle { effect: index, error });
+        let surface = SurfaceView { positions: &subject.points, triangles: &subject.triangles };
+        let mut field = Field::new(&surface).map_err(fail)?;
+        let moved =
+            moments(subject, &effects, preset.duration, (folder, limits), clip, &mut |now| field.add(now))?;
+        if !moved {
+            return Err(fail(WrinkleError::Unmoved));
+        }
+        let lines = field.lines(wrinkle);
+        if lines.is_empty() {
+            warnings.push(format!(
+                "the wrinkle{}: nothing is compressed enough to crease [no-strain]",
+                which(index)
+            ));
+            continue;
+        }
+        let pattern = Pattern::Drawn(lines.into_iter().map(Drawn::from).collect());
+        let action = Action::Wrinkle(Box::new(Wrinkle { pattern, ..(**wrinkle).clone() }));
+        effects.push(Effect { action, ..placed });
+    }
+    Ok((effects, warnings))
+}
+
+/// Shows the points of a subject as a clip moves them, or else the effects before, at moments in their order. Returns whether there is
+/// anything that moves them.
+fn moments(
+    subject: &Subject,
+    before: &[Effect],
+    duration: f64,
+    (folder, limits): (&Path, &Limits),
+    clip: Option<&str>,
+    see: &mut dyn FnMut(&[[f32; 3]]),
+) -> Result<bool, JobError> {
+    if let Model::Gltf { gltf, rest } = &subject.model
+        && (clip.is_some() || !gltf.clip_names().is_empty())
+    {
+        let clip = clip.map_or(Ok(0), |wanted| find_clip(gltf, wanted))?;
+        play(gltf, rest, &subject.point_of, &subject.points, clip, |now| see(now))?;
+        return Ok(true);
+    }
+    if before.is_empty() {
+        return Ok(false);
+    }
+    let masks = masks(subject, before, folder, limits)?.complete()?;
+    let fail = unfit(&subject.origin);
+    let bounds = subject.bounds();
+    let mut effects =
+        Evaluation::masked(before, masks, &subject.points, &subject.triangles, bounds).map_err(&fail)?;
+    let mut now = subject.points.clone();
+    for moment in 0..=MOMENTS {
+        effects.at(duration * f64::from(moment) / f64::from(MOMENTS), &mut now).map_err(&fail)?;
+        see(&now);
+    }
+    Ok(true)
+}
+
 /// Plays a clip of the scene that a motion moves, and tells its effects how the surface is compressed. Returns the clip's length in
 /// seconds.
 ///
@@ -65,13 +154,29 @@ pub(crate) fn sense(
     point_of: &[u32],
     clip: usize,
 ) -> Result<f64, JobError> {
+    let mut sensing = Sensing::new(&motion.evaluation);
+    let points = motion.points.to_vec();
+    let (step, duration) =
+        play(gltf, rest, point_of, &points, clip, |now| sensing.read(&motion.evaluation, now))?;
+    motion.evaluation.record(step, sensing.readings);
+    Ok(duration)
+}
+
+/// Plays a clip and shows where the points are in equal steps of time. Returns a step and the clip's length, seconds.
+fn play(
+    gltf: &Gltf,
+    rest: &Rest,
+    point_of: &[u32],
+    points: &[[f32; 3]],
+    clip: usize,
+    mut see: impl FnMut(&[[f32; 3]]),
+) -> Result<(f64, f64), JobError> {
     let mut player = gltf.player(rest, Some(clip))?;
     let duration = player.duration();
     let steps = ((duration / STEP).ceil() as usize).clamp(1, MOST);
     let step = duration / steps as f64;
-    let mut sensing = Sensing::new(&motion.evaluation);
     let (mut positions, mut normals) = (rest.positions.clone(), Vec::new());
-    let mut now = motion.points.to_vec();
+    let mut now = points.to_vec();
     for i in 0..=steps {
         player.pose_into(step * i as f64, None, &mut positions, &mut normals)?;
         // Backwards, so that the first vertex at a place speaks for it.
@@ -80,10 +185,9 @@ pub(crate) fn sense(
                 *place = *position;
             }
         }
-        sensing.read(&motion.evaluation, &now);
+        see(&now);
     }
-    motion.evaluation.record(step, sensing.readings);
-    Ok(duration)
+    Ok((step, duration))
 }
 
 /// Readings for each effect, at each time.

@@ -5,10 +5,11 @@ use std::io::Read;
 use std::path::Path;
 
 use wirework_asset::{AssetError, Gltf, Limits, Obj, Rest};
-use wirework_preset::{Object, Preset, PresetError};
+use wirework_preset::{Effect, Object, Preset, PresetError};
 use wirework_surface::{Bounds, Mesh, Transform};
 
 use crate::mask::{Masks, masks};
+use crate::strain::found;
 use crate::weld::Weld;
 use crate::{ControlNet, EvaluateError, Evaluation, JobError};
 
@@ -207,7 +208,8 @@ impl Subject {
         Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, origin })
     }
 
-    /// Binds the effects of a preset to the points. Files that it names are relative to `preset_dir`.
+    /// Binds the effects of a preset to the points. Files that it names are relative to `preset_dir`. Creases that are to be looked for are
+    /// found by the first clip.
     ///
     /// # Errors
     ///
@@ -218,8 +220,9 @@ impl Subject {
         preset_dir: &Path,
         limits: &Limits,
     ) -> Result<Evaluation<'a>, JobError> {
-        let masks = masks(self, &preset.effects, preset_dir, limits)?.complete()?;
-        self.bind_masked(preset, masks)
+        let (effects, unfound) = found(self, preset, (preset_dir, limits), None)?;
+        let masks = masks(self, &effects, preset_dir, limits)?.complete()?;
+        self.bind_masked(&effects, masks, unfound)
     }
 
     /// The same, but names, colours and texture coordinates that the object lacks are no errors: they are listed beside, and
@@ -234,14 +237,22 @@ impl Subject {
         preset_dir: &Path,
         limits: &Limits,
     ) -> Result<(Evaluation<'a>, Vec<PresetError>), JobError> {
-        let mut masks = masks(self, &preset.effects, preset_dir, limits)?;
+        let (effects, unfound) = found(self, preset, (preset_dir, limits), None)?;
+        let mut masks = masks(self, &effects, preset_dir, limits)?;
         let missing = std::mem::take(&mut masks.missing);
-        Ok((self.bind_masked(preset, masks)?, missing))
+        Ok((self.bind_masked(&effects, masks, unfound)?, missing))
     }
 
-    fn bind_masked(&self, preset: &Preset, masks: Masks) -> Result<Evaluation<'_>, JobError> {
-        Evaluation::masked(&preset.effects, masks, &self.points, &self.triangles, self.bounds())
-            .map_err(unfit(&self.origin))
+    fn bind_masked(
+        &self,
+        effects: &[Effect],
+        masks: Masks,
+        unfound: Vec<String>,
+    ) -> Result<Evaluation<'_>, JobError> {
+        let bound = Evaluation::masked(effects, masks, &self.points, &self.triangles, self.bounds());
+        let mut evaluation = bound.map_err(unfit(&self.origin))?;
+        evaluation.warnings.extend(unfound);
+        Ok(evaluation)
     }
 
     /// The box round the model at rest, which `units: Bounds` are parts of; none without a finite position.

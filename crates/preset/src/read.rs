@@ -266,7 +266,6 @@ impl<'s> Reader<'s> {
     }
 
     /// Closes a struct: fields that were not asked for do not exist.
-    #[expect(clippy::needless_pass_by_value, reason = "what is closed is not read on")]
     pub(crate) fn finish(&mut self, fields: Fields<'_>) {
         let Fields { owner, entries, known, .. } = fields;
         let unknown = entries.iter().filter(|entry| !known.contains(&entry.key.text.as_str()));

@@ -12,7 +12,7 @@ use crate::read::{Fields, Reader, Within};
 use crate::tree::{Body, Node};
 
 /// The patterns by name; the first is the format's default.
-const PATTERNS: [&str; 4] = ["Tangential", "Radial", "Ripple", "Drawn"];
+const PATTERNS: [&str; 5] = ["Tangential", "Radial", "Ripple", "Drawn", "Auto"];
 /// The fields that place and count the creases of all patterns but `Drawn`.
 const LAYOUT: [&str; 4] = ["center", "direction", "size", "creases"];
 
@@ -81,6 +81,7 @@ pub(crate) fn wrinkle(
 fn whole(reader: &mut Reader<'_>, fields: &Fields<'_>, wrinkle: Wrinkle) -> Option<Wrinkle> {
     let (error, keys): (WrinkleError, &[&str]) = match wrinkle.check() {
         Err(error @ WrinkleError::TooMany { .. }) => (error, &["branches", "creases", "pattern"]),
+        Err(error @ WrinkleError::Undriven) => (error, &["pattern"]),
         Err(error @ WrinkleError::DrivenMoves) => (error, &["motion", "pattern", "drive"]),
         Err(error @ (WrinkleError::ClosedRopes | WrinkleError::Value { .. })) => {
             (error, &["motion", "pattern"])
@@ -127,9 +128,16 @@ fn pattern(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &mut Clock) 
             _ => layout.creases != default.creases,
         }
     };
-    if matches!(named, Pattern::Drawn(_)) {
-        let spare: Vec<&'static str> = LAYOUT.into_iter().filter(spare).collect();
-        unused(reader, fields, &spare, "on drawn creases");
+    let (auto, drawn) = (matches!(named, Pattern::Auto { .. }), matches!(named, Pattern::Drawn(_)));
+    if auto || drawn {
+        let spare: Vec<&'static str> =
+            LAYOUT.into_iter().filter(spare).filter(|key| drawn || *key != "creases").collect();
+        unused(
+            reader,
+            fields,
+            &spare,
+            if drawn { "on drawn creases" } else { "on creases that are looked for" },
+        );
     }
     if given && !matches!(named, Pattern::Radial(..)) && branches != Branches::default() {
         unused(reader, fields, &["branches"], "but on radial creases");
@@ -152,6 +160,7 @@ fn named(
         (PATTERNS[1], Some(Pattern::Radial(layout, branches))),
         (PATTERNS[2], Some(Pattern::Ripple(layout))),
         (PATTERNS[3], None),
+        (PATTERNS[4], Some(Pattern::Auto { creases: layout.creases })),
     ];
     reader.choice(node, "pattern", &patterns)?
 }

@@ -257,6 +257,11 @@ fn parts_of_wrinkles_are_refused_at_their_place() {
             "another number of points",
             None,
         ),
+        ("Wrinkle(pattern: «Auto»)", Value, "needs `drive", None),
+        ("Wrinkle(pattern: Ripple, motion: «Curtain()»)", Value, "have none", None),
+        ("Wrinkle(motion: Curtain(gusts: «2»))", Value, "from 0 to 1", None),
+        ("Wrinkle(motion: Curtain(rail: «Polylin»([(0, 0, 0)])))", Name, "no curve", Some("`Polyline`")),
+        ("Wrinkle(motion: «Curtain(settle: 61)»)", Value, "between 0 and 60", None),
         ("Wrinkle(size: (1, «0»))", Value, "greater than 0", None),
         ("Wrinkle(direction: «(0, 0, 0)»)", Value, "must not be (0, 0, 0)", None),
     ] {

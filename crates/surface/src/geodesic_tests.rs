@@ -1,6 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::*;
+use crate::vector::wide;
 use crate::{Mesh, Nearest, grid, sphere, tube};
 
 fn terrain(mesh: &Mesh) -> (Terrain, Nearest) {
@@ -146,4 +147,14 @@ fn walkers_need_a_normal_and_a_way_along_the_surface() {
     let start = at(&Nearest::new(&flat, &[[0, 1, 2]]).unwrap(), [0.5, 0.0, 0.0]);
     assert!(line.walker(&start, [1.0, 0.0, 0.0]).is_none());
     assert!(Terrain::new(&flat, &[]).is_err() && Terrain::new(&flat, &[[0, 1, 3]]).is_err());
+}
+
+#[test]
+fn no_walk_takes_for_ever() {
+    let (terrain, nearest) = terrain(&sphere([0.0; 3], 1.0, [24, 12]).unwrap());
+    let mut walker = terrain.walker(&at(&nearest, [0.9, 0.1, 0.4]), [0.1, 1.0, 0.2]).unwrap();
+    let (walked, stop) = walker.walk(1e30, |_, _| {});
+    assert!(stop == Stop::Arrived && walked > 1000.0 && walked < 1e5);
+    assert!((end(&walker).length() - 1.0).abs() < 0.05);
+    assert_eq!(walker.walk(f64::NAN, |_, _| panic!()).0, 0.0);
 }

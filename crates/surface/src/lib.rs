@@ -1,5 +1,6 @@
 //! Meshes for wires: polygon meshes and the primitives that make them, B-spline patches, vertices as a renderer
-//! wants them, normals and tangents that follow a deformation, the nearest point of a surface.
+//! wants them, normals and tangents that follow a deformation, the nearest point of a surface, straightest lines and what
+//! lies near them on it, finer meshes.
 //!
 //! ```
 //! use wirework_surface::{Nearest, Normals, NormalsBuffer, VertexMesh, tube};
@@ -30,6 +31,7 @@ mod primitives;
 mod smooth;
 mod subdivide;
 mod tangents;
+mod terrain;
 mod transform;
 mod triangulate;
 mod vector;
@@ -37,7 +39,7 @@ mod vertex_mesh;
 
 pub use bounds::Bounds;
 pub use distinct::Distinct;
-pub use geodesic::{Step, Stop, Terrain, Walker};
+pub use geodesic::{Stop, Walker};
 pub use mesh::{Corner, Mesh, MeshError};
 pub use near::{Near, NearBuffer};
 pub use nearest::{Nearest, NearestError, SurfacePoint};
@@ -49,5 +51,6 @@ pub use subdivide::{
     MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, subdivide, subdivide_vertices,
 };
 pub use tangents::{Tangents, TangentsBuffer};
+pub use terrain::{Step, Terrain};
 pub use transform::{Transform, TransformError};
 pub use vertex_mesh::VertexMesh;

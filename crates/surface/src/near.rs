@@ -12,8 +12,7 @@ use std::collections::BinaryHeap;
 
 use glam::{DVec3, Vec3};
 
-use crate::Step;
-use crate::geodesic::Terrain;
+use crate::terrain::{Step, Terrain};
 
 /// Ways over the surface up to so many radii count as if through the air: more than a surface that turns by less than
 /// [`FACING`] can ask for, and than the march overestimates.

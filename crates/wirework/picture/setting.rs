@@ -12,9 +12,9 @@ use crate::output::Scene;
 use crate::picture::dress::Dress;
 use crate::picture::show::Show;
 use crate::picture::{PictureJob, Shown};
-use crate::refine::{Refinement, refined};
+use crate::refine::refined;
 use crate::source::{Source, parts, refused};
-use crate::strain::sense;
+use crate::strain::{found, sense};
 use crate::subject::Origin;
 use crate::{JobError, Model, Subject};
 
@@ -24,6 +24,8 @@ pub(crate) struct Setting {
     pub(crate) gltf: Gltf,
     pub(crate) rest: Rest,
     pub(crate) point_of: Vec<u32>,
+    /// What moves it, in order.
+    effects: Vec<Effect>,
     masks: Masks,
     /// Files that the document refers to: none of them may be written over.
     parts: Vec<PathBuf>,
@@ -51,10 +53,6 @@ impl<'a> PictureJob<'a> {
             Shown::Asset(_) => None,
         }
     }
-
-    fn effects(&self) -> &'a [Effect] {
-        self.preset().map_or(&[], |preset| &preset.effects)
-    }
 }
 
 impl Setting {
@@ -65,13 +63,16 @@ impl Setting {
             (Some(source), _) => source.subject()?,
             (None, Shown::Asset(path) | Shown::Preset { path, .. }) => Subject::read(path, &job.limits)?,
         };
-        let (subject, refinement) = match job.preset() {
-            Some(preset) => refined(subject, preset, &job.limits)?,
-            None => (subject, Refinement::default()),
-        };
         let folder = source.map_or(Path::new(""), |source| source.folder());
-        let masks = masks(&subject, job.effects(), folder, &job.limits)?.complete()?;
+        let (effects, unfound) = match job.preset() {
+            Some(preset) => found(&subject, preset, (folder, &job.limits), job.clip)?,
+            None => Default::default(),
+        };
+        let duration = job.preset().map_or(0.0, |preset| preset.duration);
+        let (subject, refinement) = refined(subject, &effects, duration, &job.limits)?;
+        let masks = masks(&subject, &effects, folder, &job.limits)?.complete()?;
         let mut warnings = subject.warnings();
+        warnings.extend(unfound);
         warnings.extend(refinement.warnings);
         let document = match (&source, job.shown) {
             (Some(source), _) => source.input.map(Path::to_path_buf).or_else(|| source.own_object()),
@@ -99,12 +100,12 @@ impl Setting {
             Shown::Asset(path) | Shown::Preset { input: Some(path), .. } | Shown::Preset { path, .. } => path,
         };
         let file = file.display().to_string();
-        Ok(Self { basis, gltf, rest, point_of, masks, parts, colors, file, warnings })
+        Ok(Self { basis, gltf, rest, point_of, effects, masks, parts, colors, file, warnings })
     }
 
     /// Binds the effect and prepares the clip.
     pub(crate) fn show<'a>(&'a self, job: &PictureJob<'a>) -> Result<Show<'a>, JobError> {
-        let mut motion = match job.effects() {
+        let mut motion = match self.effects.as_slice() {
             [] => None,
             effects => Some(self.basis.bind(effects, self.masks.clone())?),
         };

@@ -81,7 +81,7 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
     };
     creases.list = creases.lay(&lines)?;
     creases.crests = creases.crests();
-    creases.gauges = creases.gauges();
+    creases.rest(surface.positions);
     creases.ropes = creases.ropes();
     creases.warnings = lines.warnings;
     creases.warnings.extend(creases.coarse());
@@ -122,10 +122,16 @@ impl Creases {
         self.gauges.is_some()
     }
 
-    /// How much the surface is compressed across the creases at each of their nodes, where it has moved from `rest` to
-    /// `now`; for [`Creases::record`]. Empty where nothing drives them.
-    pub fn compression(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
-        self.gauges.as_ref().map_or_else(Vec::new, |gauges| gauges.read(rest, now))
+    /// Tells where the surface is at rest, which its compression is measured against. Until then that is where the creases
+    /// were laid.
+    pub fn rest(&mut self, rest: &[[f32; 3]]) {
+        self.gauges = self.gauges().map(|gauges| gauges.against(rest));
+    }
+
+    /// How much the surface is compressed across the creases at each of their nodes, where it has moved from its rest to `now`; for
+    /// [`Creases::record`]. Empty where nothing drives them.
+    pub fn compression(&self, now: &[[f32; 3]]) -> Vec<f32> {
+        self.gauges.as_ref().map_or_else(Vec::new, |gauges| gauges.read(now))
     }
 
     /// Tells the compression of the surface at equal steps, in seconds, from 0 s on; a single one holds at all times. Each is from

@@ -3,7 +3,11 @@
 //! A crease is one wire. Its reference curve `R` lies on the undeformed surface, its wire curve `W` stands over it
 //! by the height of the crest, along the outward normals; the wire's density is the cross-section of the fold. What
 //! depends on the surface is worked out once, by [`creases`]; the wires of a moment are then a few products a
-//! control point ([`Creases::wires_at`]), and their references never move, so that points stay bound.
+//! control point ([`Creases::wires_at`]). References move only where the pattern does, over the surface ([`Creases::at`]), and a crease acts
+//! only on what the surface leads to from it ([`Creases::near`]).
+//!
+//! Where creases run is a [`Pattern`], what moves them a [`Motion`], how high they stand an intensity, a compression, or the
+//! [`Strain`] of the surface; [`Field`] finds where that is greatest.
 //!
 //! ```
 //! use wirework_core::Curve;
@@ -28,6 +32,8 @@ mod crease;
 mod creases;
 mod curtain;
 mod drawn;
+mod error;
+mod field;
 mod fit;
 mod ground;
 mod height;
@@ -47,9 +53,9 @@ mod wind;
 
 pub use creases::{Creases, creases};
 pub use curtain::{Curtain, Rail};
-pub use settings::{
-    Branches, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning,
-};
+pub use error::{WrinkleError, WrinkleWarning};
+pub use field::Field;
+pub use settings::{Branches, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle};
 pub use strain::Strain;
 
 #[cfg(test)]

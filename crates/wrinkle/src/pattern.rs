@@ -7,6 +7,9 @@ use crate::ripple::Rays;
 use crate::trace::Trace;
 use crate::{Layout, Motion, Pattern, Wrinkle, WrinkleError, WrinkleWarning, drawn, radial, tangential};
 
+/// The part of a crease that may be missing without a word: less than anyone sees.
+const SHORT: f64 = 1e-3;
+
 /// A line on the surface for a crease to stand on.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
@@ -65,7 +68,7 @@ fn check_walks(ground: &Ground, settings: &Wrinkle, seconds: f64) -> Result<(), 
         Pattern::Drawn(_) => 0.0,
         Pattern::Tangential(layout) => f64::from(layout.size[0].max(layout.size[1])),
         Pattern::Radial(layout, _) => f64::from(layout.size[0]) / 2.0,
-        Pattern::Ripple(_) => return Ok(()),
+        Pattern::Ripple(_) | Pattern::Auto { .. } => return Ok(()),
     };
     ground.check_walks(settings.crease_count(), length + way, MOST_CROSSINGS)
 }
@@ -101,6 +104,7 @@ pub(crate) fn lines(
             let walker = lines.start(ground, layout)?;
             radial::lay(walker, layout, *branches, settings, seconds, f64::from(thickness), &mut lines);
         }
+        Pattern::Auto { .. } => return Err(WrinkleError::Unmoved),
         Pattern::Ripple(layout) => {
             lines.start(ground, layout)?;
             if let Some(rays) = &prepared.rays {
@@ -120,9 +124,11 @@ impl Lines {
         Ok(walker)
     }
 
-    /// Notes why a line ended, where that is before its time.
-    pub(crate) fn note(&mut self, stop: Stop) {
+    /// Notes why a line ended that was to go on for `missing`, of a crease of a length; ends that rounding has cut are not worth a
+    /// word.
+    pub(crate) fn note(&mut self, stop: Stop, missing: f64, length: f64) {
         match stop {
+            _ if missing <= SHORT * length => {}
             Stop::Arrived => {}
             Stop::Border => self.cut += 1,
             Stop::NonManifold => self.crowded += 1,

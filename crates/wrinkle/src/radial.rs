@@ -83,7 +83,7 @@ impl Laying<'_> {
             self.lines.outside += usize::from(depth == 0);
             return;
         }
-        self.lines.note(walked.stops.1);
+        self.lines.note(walked.stops.1, range.1 - walked.range.1, self.outer);
         let random = f64::from(self.settings.randomness);
         let ends = (origin + walked.range.0, origin + walked.range.1);
         self.lines.list.push(Line {

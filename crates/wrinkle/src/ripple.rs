@@ -119,7 +119,7 @@ impl Rays {
             let gap = (radius * TAU / self.list.len() as f64 * PARTED).max(thickness);
             for (arc, closed) in self.arcs(ground, radius, gap) {
                 if !closed {
-                    lines.note(Stop::Border);
+                    lines.note(Stop::Border, radius, radius);
                 }
                 let trace = Trace::along(ground, &arc, gap);
                 if trace.length() > 0.0 {

@@ -1,10 +1,8 @@
-//! What a wrinkle is, as a preset says it, and what can be wrong with it.
+//! What a wrinkle is, as a preset says it.
 
-use thiserror::Error;
 use wirework_core::{Blend, Curve, Keyed};
-use wirework_surface::NearestError;
 
-use crate::{Curtain, Strain};
+use crate::{Curtain, Strain, WrinkleError};
 
 /// Creases of a pattern at most, branches included: each has 8 spans at least.
 pub(crate) const MOST_CREASES: usize = crate::creases::MOST_SPANS / 8;
@@ -55,6 +53,12 @@ pub enum Pattern {
     Radial(Layout, Branches),
     /// Rings round the centre out to half the extent along; their origin is the centre. The extent across is not used.
     Ripple(Layout),
+    /// Across the surface's own compression, where that is greatest in the course of its motion. [`Field`](crate::Field) makes drawn
+    /// ones of it; until then there is nothing to lay. Needs a drive.
+    Auto {
+        /// Creases at most, at least 1.
+        creases: u32,
+    },
 }
 
 /// A curve that is dropped onto the surface.
@@ -195,6 +199,9 @@ impl Wrinkle {
         let layout = match &self.pattern {
             Pattern::Drawn(curves) if curves.is_empty() => return Err(WrinkleError::NoCurves),
             Pattern::Drawn(_) => return Ok(()),
+            Pattern::Auto { .. } if self.drive.is_none() => return Err(WrinkleError::Undriven),
+            Pattern::Auto { creases: 0 } => return Err(WrinkleError::NoCreases),
+            Pattern::Auto { .. } => return self.check_count(),
             Pattern::Tangential(layout) | Pattern::Radial(layout, _) | Pattern::Ripple(layout) => layout,
         };
         if layout.creases == 0 {
@@ -205,11 +212,12 @@ impl Wrinkle {
                 return Err(WrinkleError::Value { field: "size", expected: "greater than 0", found });
             }
         }
+        self.check_count()
+    }
+
+    fn check_count(&self) -> Result<(), WrinkleError> {
         let creases = self.crease_count();
-        if creases > MOST_CREASES {
-            return Err(WrinkleError::TooMany { creases });
-        }
-        Ok(())
+        if creases > MOST_CREASES { Err(WrinkleError::TooMany { creases }) } else { Ok(()) }
     }
 
     /// How many creases the pattern has, branches included.
@@ -217,6 +225,7 @@ impl Wrinkle {
         match &self.pattern {
             Pattern::Drawn(curves) => curves.len(),
             Pattern::Tangential(layout) | Pattern::Ripple(layout) => layout.creases as usize,
+            Pattern::Auto { creases } => *creases as usize,
             Pattern::Radial(layout, branches) => {
                 let mut each = 1_usize;
                 for _ in 0..branches.depth.min(MOST_CREASES as u32) {
@@ -237,6 +246,7 @@ impl Wrinkle {
             Pattern::Drawn(curves) => curves.iter().map(|drawn| f64::from(drawn.curve.length())).collect(),
             Pattern::Tangential(layout) => vec![f64::from(layout.size[0]); count],
             Pattern::Radial(layout, _) => vec![f64::from(layout.size[0]) / 2.0; count],
+            Pattern::Auto { .. } => Vec::new(),
             Pattern::Ripple(layout) => {
                 let outer = f64::from(layout.size[0]) * std::f64::consts::PI;
                 (1..=count).map(|ring| outer * ring as f64 / count as f64).collect()
@@ -268,155 +278,4 @@ pub struct SurfaceView<'a> {
     pub positions: &'a [[f32; 3]],
     /// Its faces, counter-clockwise seen from outside.
     pub triangles: &'a [[u32; 3]],
-}
-
-/// Why there are no creases.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum WrinkleError {
-    /// A setting is out of range.
-    #[error("`{field}` must be {expected}, not {found}")]
-    Value {
-        /// Its name.
-        field: &'static str,
-        /// What it must be.
-        expected: &'static str,
-        /// A value it has or takes.
-        found: f32,
-    },
-    /// There is nothing to wrinkle, or the surface refers to vertices that are not there.
-    #[error(transparent)]
-    Surface(#[from] NearestError),
-    /// The creases are so many and so thin that following them all would take for ever.
-    #[error(
-        "creases of thickness {thickness} need {needed} spans in all, the most are {}: use a larger `thickness` or \
-         fewer curves",
-        crate::creases::MOST_SPANS
-    )]
-    TooFine {
-        /// The least thickness.
-        thickness: f32,
-        /// Spans they would have.
-        needed: usize,
-    },
-    /// All its faces are lines or points.
-    #[error("the surface has no area")]
-    NoArea,
-    /// The creases are so long, or have gone so far, that walking over the surface would take for ever.
-    #[error(
-        "{lines} lines of {length} in length are too long for this surface: to follow them over it would take for ever"
-    )]
-    TooLong {
-        /// Lines that were to be followed.
-        lines: usize,
-        /// The length of each.
-        length: f32,
-    },
-    /// There are so many creases that laying them would take for ever.
-    #[error("{creases} creases, branches included, are more than {MOST_CREASES}")]
-    TooMany {
-        /// Creases the pattern would have.
-        creases: usize,
-    },
-    /// What compression raises is read where creases lie, and these move.
-    #[error("creases that `drive` raises stay where they are: they cannot travel or be keyed")]
-    DrivenMoves,
-    /// Creases that are to hang have no end to hang from.
-    #[error(
-        "creases of a curtain hang from their first end: closed ones, such as those of a ripple, have none"
-    )]
-    ClosedRopes,
-    /// The pattern has no creases.
-    #[error("a pattern needs at least one crease")]
-    NoCreases,
-    /// The centre of the pattern is farther off the surface than the pattern is large: it was made for something else.
-    #[error("the center is {distance} off the surface, more than the size of the pattern, {size}")]
-    CenterOff {
-        /// Its distance from the surface.
-        distance: f32,
-        /// The pattern's larger extent.
-        size: f32,
-    },
-    /// There is no outside at the centre of the pattern: only triangles without area.
-    #[error("the surface has no normal at the center of the pattern")]
-    NoNormalAtCenter,
-    /// No crease of the pattern lies on the surface.
-    #[error("no crease of the pattern has room on the surface; it ends before them")]
-    NoRoom,
-    /// The pattern has no curves.
-    #[error("a drawn pattern needs at least one curve")]
-    NoCurves,
-    /// No point of a drawn curve comes as near to the surface as the curve is long: it was drawn for something else.
-    #[error("curve {curve} is {length} long but nowhere nearer to the surface than {distance}")]
-    TooFar {
-        /// Which curve, from 0.
-        curve: usize,
-        /// Its least distance from the surface.
-        distance: f32,
-        /// Its length.
-        length: f32,
-    },
-    /// A drawn curve becomes a point on the surface.
-    #[error("curve {curve} comes down on the surface as a point")]
-    Collapsed {
-        /// Which curve, from 0.
-        curve: usize,
-    },
-    /// There is no outside where a crease should rise: only triangles without area.
-    #[error("the surface has no normal where crease {curve} lies")]
-    NoNormal {
-        /// Which crease, from 0.
-        curve: usize,
-    },
-}
-
-/// What is less than was asked for.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum WrinkleWarning {
-    /// The first axis has nothing along the surface.
-    #[error(
-        "`direction` stands upright on the surface at the center; the pattern lies along a coordinate axis [upright]"
-    )]
-    Upright,
-    /// The pattern is larger than the surface.
-    #[error("{outside} of {creases} creases lie beyond the surface and are left out [outside-surface]")]
-    Outside {
-        /// Creases that are left out.
-        outside: usize,
-        /// Creases of the pattern.
-        creases: usize,
-    },
-    /// The pattern is larger than the surface.
-    #[error("{ends} creases end early, at a border of the surface [border]")]
-    Border {
-        /// How many ends.
-        ends: usize,
-    },
-    /// The surface is not a manifold where creases run.
-    #[error(
-        "{ends} creases end early, at an edge where the surface is not a manifold (more than two faces, or two that disagree about the outside) [non-manifold]"
-    )]
-    NonManifold {
-        /// How many ends.
-        ends: usize,
-    },
-    /// The mesh is too coarse for the folds.
-    #[error(
-        "edges of {edge} are longer than a third of the thickness {thickness}: folds come out jagged; use a finer mesh, a larger `thickness`, or `refine: Auto` [coarse]"
-    )]
-    Coarse {
-        /// The longest edge that a crease reaches.
-        edge: f32,
-        /// The least thickness.
-        thickness: f32,
-    },
-    /// Faces that hang together with nothing a crease lies on are near it.
-    #[error(
-        "{points} vertices within reach of a crease belong to parts that do not hang together with the one it lies on; they stay where they are [apart]"
-    )]
-    Apart {
-        /// How many.
-        points: usize,
-    },
 }

@@ -6,7 +6,7 @@
 
 use std::collections::{HashSet, VecDeque};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use wirework_surface::Terrain;
 
@@ -75,8 +75,12 @@ struct Gauge(Vec<Strand>);
 struct Strand {
     corners: [u32; 3],
     along: [f32; 2],
+    /// Its part of the mean, over its length at rest once that is known.
     weight: f32,
 }
+
+/// Triangles that a gauge looks at, at most: of more, some of all distances stand for the others.
+const MOST_STRANDS: usize = 128;
 
 impl Gauges {
     /// At the nodes of creases where they were laid; `radius` in the unit of the surface.
@@ -94,11 +98,17 @@ impl Gauges {
         Self { nodes: creases.par_iter().map(nodes).collect() }
     }
 
-    /// The compression at every node, one crease after the other, of the surface at `now` against `rest`: 0 none, 1 all of
+    /// The same, knowing where the surface is at rest.
+    pub(crate) fn against(mut self, rest: &[[f32; 3]]) -> Self {
+        self.nodes.par_iter_mut().flatten().for_each(|gauge| gauge.against(rest));
+        self
+    }
+
+    /// The compression at every node, one crease after the other, of the surface at `now` against its rest: 0 none, 1 all of
     /// the length is gone, negative where it is stretched.
-    pub(crate) fn read(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
+    pub(crate) fn read(&self, now: &[[f32; 3]]) -> Vec<f32> {
         let all: Vec<&Gauge> = self.nodes.iter().flatten().collect();
-        all.par_iter().with_min_len(16).map(|gauge| gauge.read(rest, now)).collect()
+        all.par_iter().with_min_len(16).map(|gauge| gauge.read(now)).collect()
     }
 }
 
@@ -131,24 +141,39 @@ impl Gauge {
         Self(strands)
     }
 
-    fn read(&self, rest: &[[f32; 3]], now: &[[f32; 3]]) -> f32 {
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for strand in &self.0 {
-            let (before, after) = (strand.length(rest), strand.length(now));
-            if before > 0.0 && after.is_finite() {
-                sum += f64::from(strand.weight) * after / before;
-                weights += f64::from(strand.weight);
-            }
+    fn against(&mut self, rest: &[[f32; 3]]) {
+        for strand in &mut self.0 {
+            strand.weight = match strand.length(rest) {
+                length if length > 0.0 => strand.weight / length,
+                _ => 0.0,
+            };
         }
-        if weights > 0.0 { (1.0 - sum / weights) as f32 } else { 0.0 }
+        let count = self.0.len();
+        if count > MOST_STRANDS {
+            // They are in the order of their distance.
+            self.0 = (0..MOST_STRANDS).map(|i| self.0[i * count / MOST_STRANDS]).collect();
+        }
+        let sum: f32 = self.0.iter().map(|strand| strand.weight * strand.length(rest)).sum();
+        if sum > 0.0 {
+            self.0.iter_mut().for_each(|strand| strand.weight /= sum);
+        }
+    }
+
+    fn read(&self, now: &[[f32; 3]]) -> f32 {
+        let mean: f32 = self.0.iter().map(|strand| strand.weight * strand.length(now)).sum();
+        // Without a triangle that has an area nothing is known.
+        if mean.is_finite() && mean > 0.0 { 1.0 - mean } else { 0.0 }
     }
 }
 
 impl Strand {
-    fn length(&self, positions: &[[f32; 3]]) -> f64 {
-        let at = |i: usize| positions.get(self.corners[i] as usize).copied().map_or(DVec3::NAN, wide);
-        let (a, b, c) = (at(0), at(1), at(2));
-        ((b - a) * f64::from(self.along[0]) + (c - a) * f64::from(self.along[1])).length()
+    #[inline]
+    fn length(&self, positions: &[[f32; 3]]) -> f32 {
+        let [Some(a), Some(b), Some(c)] = self.corners.map(|corner| positions.get(corner as usize)) else {
+            return f32::NAN;
+        };
+        let (a, b, c) = (Vec3::from(*a), Vec3::from(*b), Vec3::from(*c));
+        ((b - a) * self.along[0] + (c - a) * self.along[1]).length()
     }
 }
 

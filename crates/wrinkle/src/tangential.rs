@@ -59,9 +59,10 @@ pub(crate) fn lay(
             continue;
         }
         let fraction = |way: f64| (way - shift) / length + 0.5;
+        let wanted = (range.0 + shift, range.1 + shift);
         let Walked { trace, range, stops } = walked;
-        lines.note(stops.0);
-        lines.note(stops.1);
+        lines.note(stops.0, range.0 - wanted.0, length);
+        lines.note(stops.1, wanted.1 - range.1, length);
         lines.list.push(Line {
             trace,
             closed: false,

@@ -83,7 +83,11 @@ fn other_triangles_have_the_same_surface() {
     for j in (0..m).rev() {
         for i in 0..n {
             let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
-            other.extend(if (i + j) % 2 == 0 { [[a, b, d], [b, c, d]] } else { [[a, b, c], [a, c, d]] });
+            other.extend(if (i + j).is_multiple_of(2) {
+                [[a, b, d], [b, c, d]]
+            } else {
+                [[a, b, c], [a, c, d]]
+            });
         }
     }
     place.write("one.obj", obj(&points, &faces));
