@@ -115,7 +115,7 @@ fn a_walk_raises_creases_behind_the_knees() {
     eprintln!("a walk: creases from {low:.4} to {high:.4}; {told}");
     assert!(high > 0.003 && low < 0.6 * high, "they rise and sink: {heights:?}");
     let steps: Vec<f64> = heights.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    assert!(steps.iter().all(|s| *s < 0.5 * high), "smoothly: {steps:?}");
+    assert!(steps.iter().all(|s| *s < 0.6 * high), "smoothly: {steps:?}");
     let head = rest.iter().zip(&frames[12]).filter(|(p, _)| p.y > 1.0);
     assert!(head.map(|(p, q)| p.distance(*q)).fold(0.0, f64::max) < 1e-6, "the head stays");
 }
