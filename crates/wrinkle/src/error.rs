@@ -34,6 +34,19 @@ pub enum WrinkleError {
         /// Spans they would have.
         needed: usize,
     },
+    /// All its faces are lines or points.
+    #[error("the surface has no area")]
+    NoArea,
+    /// The creases are so long, or have gone so far, that walking over the surface would take for ever.
+    #[error(
+        "{lines} lines of {length} in length are too long for this surface: to follow them over it would take for ever"
+    )]
+    TooLong {
+        /// Lines that were to be followed.
+        lines: usize,
+        /// The length of each.
+        length: f32,
+    },
     /// There are so many creases that laying them would take for ever.
     #[error("{creases} creases, branches included, are more than {MOST_CREASES}")]
     TooMany {

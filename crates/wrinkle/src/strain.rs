@@ -79,8 +79,9 @@ struct Strand {
     weight: f32,
 }
 
-/// Triangles that a gauge looks at, at most: of more, some of all distances stand for the others.
-const MOST_STRANDS: usize = 128;
+/// Triangles that a gauge looks at, at most: of more, some of all distances stand for the others. With 128 an arm of twice as many
+/// triangles a way had folds 8 % of their height off those of the coarser one; looked at whole, 0.8 %.
+const MOST_STRANDS: usize = 1024;
 
 impl Gauges {
     /// At the nodes of creases where they were laid; `radius` in the unit of the surface.

@@ -33,7 +33,7 @@ fn a_fold_moves_at_its_velocity_and_keeps_its_height() {
             .map(|p| p.x)
             .collect();
         let (first, last) = (on.iter().copied().fold(1.0, f64::min), on.iter().copied().fold(-1.0, f64::max));
-        assert!(((first + last) / 2.0 - 0.1 * t).abs() < 0.03, "at {t} s from {first} to {last}");
+        assert!((f64::midpoint(first, last) - 0.1 * t).abs() < 0.03, "at {t} s from {first} to {last}");
     }
     place.write("walk.ron", &preset);
     let told = place.run("apply walk.ron -o walk.glb").expect(0).err();

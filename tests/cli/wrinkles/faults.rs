@@ -136,10 +136,10 @@ fn a_pattern_that_does_not_lie_on_the_surface_is_refused() {
         &format!("{GRID}, size: (9, 9)"),
         "4 of 5 creases lie beyond the surface and are left out [outside-surface]",
     );
-    warned(&format!("{GRID}, size: (9, 9)"), "2 creases end early, at a border of the surface [border]");
+    warned(&format!("{GRID}, size: (9, 9)"), "a border of the surface cuts creases short 2 times [border]");
     warned(
         &format!("{GRID}, size: (9, 9), pattern: Radial"),
-        "5 creases end early, at a border of the surface [border]",
+        "a border of the surface cuts creases short 5 times [border]",
     );
     warned(&format!("{GRID}, size: (9, 9), pattern: Ripple"), "[outside-surface]");
     warned(&format!("{GRID}, direction: (0, 1, 0)"), "[upright]");

@@ -18,7 +18,9 @@ pub(super) fn document(points: &[DVec3], faces: &[[usize; 3]], node: DMat4, spli
     };
     if node.determinant() < 0.0 {
         // A mirror turns faces over.
-        faces.iter_mut().for_each(|face| face.swap(1, 2));
+        for face in &mut faces {
+            face.swap(1, 2);
+        }
     }
     let back = node.inverse();
     let local = corners.iter().flat_map(|&v| back.transform_point3(points[v]).as_vec3().to_array());

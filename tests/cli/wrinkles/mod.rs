@@ -10,6 +10,7 @@ mod strained;
 mod surfaces;
 mod tube;
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
 use glam::DVec3;
@@ -66,10 +67,19 @@ fn sheet(min: [f64; 2], max: [f64; 2], cells: [usize; 2]) -> (Vec<DVec3>, Vec<[u
     let cell = |i: usize, j: usize| {
         let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
         // Diagonals in turn, so that no direction is favoured.
-        if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+        if (i + j).is_multiple_of(2) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
     };
     let faces = (0..n).flat_map(|i| (0..m).flat_map(move |j| cell(i, j))).collect();
     (points, faces)
+}
+
+/// Vertices that were at one place are at one place.
+fn shut(rest: &[DVec3], now: &[DVec3]) {
+    let mut seen: HashMap<[i64; 3], DVec3> = HashMap::new();
+    for (p, q) in rest.iter().zip(now) {
+        let first = *seen.entry((*p * 1e5).round().to_array().map(|c| c as i64)).or_insert(*q);
+        assert!(first.distance(*q) < 1e-6, "a crack at {p}: {first} and {q}");
+    }
 }
 
 impl Place {
@@ -108,7 +118,7 @@ fn crests(section: &[(f64, f64)], height: f64) -> Vec<(f64, f64)> {
         let falls = j + 1 == section.len() || section[j + 1].1 < section[j].1;
         let top = section[i..=j].iter().map(|s| s.1).fold(f64::MIN, f64::max);
         if rises && falls && top > height / 2.0 {
-            out.push(((section[i].0 + section[j].0) / 2.0, top));
+            out.push((f64::midpoint(section[i].0, section[j].0), top));
         }
         i = j + 1;
     }

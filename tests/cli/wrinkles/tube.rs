@@ -97,7 +97,7 @@ fn a_ripple_of_half_the_circumference_reaches_round() {
     let line = |side: f64| -> Vec<(f64, f64)> {
         let on = points
             .iter()
-            .filter(|p| p.y.abs() < 1e-6 && (side * angle(**p) > -1e-6 || angle(**p).abs() > 3.14));
+            .filter(|p| p.y.abs() < 1e-6 && (side * angle(**p) > -1e-6 || angle(**p).abs() > 0.999 * PI));
         let mut out: Vec<_> = on.map(|p| (angle(*p).abs() * RADIUS, stands(*p))).collect();
         out.sort_by(|a, b| a.0.total_cmp(&b.0));
         out

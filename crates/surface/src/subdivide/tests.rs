@@ -216,6 +216,11 @@ fn too_many_are_refused_before_they_are_made() {
     let (positions, triangles) = split(&grid([1.0, 1.0], [1, 1], [0.0, 1.0, 0.0]).unwrap());
     let limits = SubdivideLimits { vertices: 1000, triangles: 10_000 };
     let error = subdivide_vertices(&positions, &triangles, &[1e-6; 4], limits).unwrap_err();
+    // Their area says it at once, in parts of a few steps of f32.
+    let SubdivideError::TooMany { vertices: 4, triangles: parts } = error else { panic!("{error}") };
+    assert!(parts > 10_000_000_000 && parts < 3_000_000_000_000, "{error}");
+    // So few that the area does not say it: as they are made.
+    let error = subdivide_vertices(&positions, &triangles, &[0.02; 4], limits).unwrap_err();
     let SubdivideError::TooMany { vertices, triangles: parts } = error else { panic!("{error}") };
     assert!(vertices > 1000 && vertices < 5000 && parts < 10_000, "{error}");
     // The same triangle many times: few vertices, many triangles.
