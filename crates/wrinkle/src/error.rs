@@ -80,19 +80,6 @@ pub enum WrinkleError {
         /// The pattern's larger extent.
         size: f32,
     },
-    /// All its faces are lines or points.
-    #[error("the surface has no area")]
-    NoArea,
-    /// The creases are so long, or have gone so far, that walking over the surface would take for ever.
-    #[error(
-        "{lines} lines of {length} in length are too long for this surface: to follow them over it would take for ever"
-    )]
-    TooLong {
-        /// Lines that were to be followed.
-        lines: usize,
-        /// The length of each.
-        length: f32,
-    },
     /// There is no outside at the centre of the pattern: only triangles without area.
     #[error("the surface has no normal at the center of the pattern")]
     NoNormalAtCenter,

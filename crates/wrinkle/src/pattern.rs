@@ -68,7 +68,7 @@ fn check_walks(ground: &Ground, settings: &Wrinkle, seconds: f64) -> Result<(), 
         Pattern::Drawn(_) | Pattern::Auto { .. } => 0.0,
         Pattern::Tangential(layout) => f64::from(layout.size[0].max(layout.size[1])),
         Pattern::Radial(layout, _) => f64::from(layout.size[0]) / 2.0,
-        Pattern::Ripple(_) | Pattern::Auto { .. } => return Ok(()),
+        Pattern::Ripple(_) => return Ok(()),
     };
     ground.check_walks(settings.crease_count(), length + way, MOST_CROSSINGS)
 }
