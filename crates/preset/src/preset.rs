@@ -162,6 +162,7 @@ fn read(reader: &mut Reader<'_>, root: &Node) -> Option<Preset> {
 
 /// What the effects of a preset have in common.
 #[derive(Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 struct Scene {
     /// Whether an effect was read: only the first names the object.
     begun: bool,
