@@ -231,6 +231,11 @@ fn strain(reader: &mut Reader<'_>, node: &Node) -> Option<Strain> {
     let radius = reader.optional(&mut fields, "radius", |reader, node| reader.number(node, Within::Positive));
     let settle = reader
         .field(&mut fields, "settle", rest.settle, |reader, node| reader.number(node, Within::NotNegative));
+    if let Some(node) = fields.again("from").filter(|_| fields.again("to").is_none() && to <= from) {
+        let message =
+            format!("`from` must be less than `to`, which is {to} where it is not given; found {from}");
+        return reader.within("from", |reader| reader.bad(node, message));
+    }
     reader.finish(fields);
     Some(Strain { from, to, radius, settle })
 }

@@ -238,6 +238,7 @@ fn parts_of_wrinkles_are_refused_at_their_place() {
         ("Wrinkle(compression: «-0.1»)", Value, "from 0 to less than 1", None),
         ("Wrinkle(drive: «Stain»())", Name, "no drive", Some("`Strain`")),
         ("Wrinkle(drive: Strain(from: 0.3, to: «0.2»))", Value, "greater than `from`", None),
+        ("Wrinkle(drive: Strain(from: «0.5»))", Value, "less than `to`", None),
         ("Wrinkle(drive: Strain(radius: «0»))", Value, "greater than 0", None),
         ("Wrinkle(drive: Strain(«form»: 0.1))", Name, "no field `form`", Some("`from`")),
         ("Wrinkle(refine: «Fine»)", Name, "no refine", None),

@@ -100,8 +100,6 @@ impl Walker<'_> {
     pub fn turn(&mut self, angle: f64) {
         let (sin, cos) = angle.sin_cos();
         self.heading = (self.heading * cos + self.normal.cross(self.heading) * sin).normalize();
-        // It may look out of the triangle that it stood ready to cross.
-        self.from = From::Inside;
     }
 
     /// Walks straight ahead over `distance`, in the unit of the surface; `seen` is called at every edge that is crossed, and at
@@ -110,6 +108,8 @@ impl Walker<'_> {
     pub fn walk(&mut self, distance: f64, mut seen: impl FnMut(f64, Step)) -> (f64, Stop) {
         // No number is no way.
         let distance = distance.max(0.0);
+        // An edge on which the last walk ended has not been crossed yet.
+        self.from = From::Inside;
         let (mut walked, mut idle) = (0.0, 0);
         for _ in 0..MOST_EDGES {
             if walked >= distance {

@@ -158,3 +158,20 @@ fn no_walk_takes_for_ever() {
     assert!((end(&walker).length() - 1.0).abs() < 0.05);
     assert_eq!(walker.walk(f64::NAN, |_, _| panic!()).0, 0.0);
 }
+
+#[test]
+fn a_walk_in_parts_is_the_walk_in_one() {
+    let (terrain, nearest) = terrain(&grid([2.0, 2.0], [40, 40], [0.0, 1.0, 0.0]).unwrap());
+    // Parts of whole cells end on edges and on corners.
+    for z in [-1.0 / 30.0, 0.0, 0.05, 0.013] {
+        for part in [0.05, 0.1, 0.07, 0.5] {
+            let mut walker = terrain.walker(&at(&nearest, [-0.95, 0.0, z]), [1.0, 0.0, 0.0]).unwrap();
+            let start = end(&walker);
+            for i in 1..=3 {
+                assert_eq!(walker.walk(part, |_, _| {}).1, Stop::Arrived);
+                let there = start + DVec3::X * part * f64::from(i);
+                assert!(end(&walker).distance(there) < 1e-6, "{z} {part}: {} {there}", end(&walker));
+            }
+        }
+    }
+}

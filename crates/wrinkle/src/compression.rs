@@ -59,7 +59,7 @@ fn height(compression: f64, density: &Density, blend: &Blend, ratio: f64) -> f64
 
 /// Half a wavelength of the cross-section of a train of folds of height 1, from crest to hollow.
 fn section(density: &Density, blend: &Blend, ratio: f64) -> Vec<f64> {
-    let around = (ratio.ceil() as i32 + 1).min(64);
+    let around = ratio.ceil().min(63.0) as i32 + 1;
     let sample = |i: usize| {
         let x = i as f64 / SAMPLES as f64 / 2.0;
         let folds = (-around..=around).map(|k| density.at((x - f64::from(k)).abs() / ratio));

@@ -47,6 +47,8 @@ pub struct Creases {
     /// How far ropes hang from where they lie.
     hang: Vec<Vec<DVec3>>,
     list: Vec<Crease>,
+    /// Creases of the pattern that are not there at 0 s.
+    outside: usize,
     warnings: Vec<WrinkleWarning>,
 }
 
@@ -77,9 +79,11 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
         density,
         thickness,
         list: Vec::new(),
+        outside: 0,
         warnings: Vec::new(),
     };
-    creases.list = creases.lay(&lines)?;
+    creases.list = creases.lay(&lines, false)?;
+    creases.outside = lines.outside;
     creases.crests = creases.crests();
     creases.rest(surface.positions);
     creases.ropes = creases.ropes();
@@ -112,7 +116,7 @@ impl Creases {
         self.settings.blend
     }
 
-    /// What is less than was asked for, at 0 s.
+    /// What is less than was asked for, at 0 s and at the moments since.
     pub fn warnings(&self) -> &[WrinkleWarning] {
         &self.warnings
     }
@@ -162,7 +166,12 @@ impl Creases {
     pub fn at(&mut self, seconds: f64, surface: Option<&SurfaceView<'_>>) -> Result<(), WrinkleError> {
         if self.moves() {
             let lines = lines(&self.ground, &self.prepared, &self.settings, seconds, self.thickness)?;
-            self.list = self.lay(&lines)?;
+            self.list = self.lay(&lines, true)?;
+            let gone = lines.outside + (lines.list.len() - self.list.len());
+            if gone > self.outside && !self.warnings.iter().any(|w| matches!(w, WrinkleWarning::Gone { .. }))
+            {
+                self.warnings.push(WrinkleWarning::Gone { seconds });
+            }
         }
         let Some(surface) = surface else { return Ok(()) };
         for anchor in self.list.iter().flat_map(|crease| &crease.anchors) {
@@ -255,7 +264,8 @@ impl Creases {
         }
     }
 
-    fn lay(&self, lines: &Lines) -> Result<Vec<Crease>, WrinkleError> {
+    /// Those that come to a place without a normal are left out where they have `gone` there.
+    fn lay(&self, lines: &Lines, gone: bool) -> Result<Vec<Crease>, WrinkleError> {
         let reach = f64::from(self.thickness);
         let varies = self.settings.varies() && lines.list.iter().any(|line| line.range.0 != line.range.1);
         let least = if varies { MIN_SPANS_VARYING } else { *SPANS.start() };
@@ -268,10 +278,11 @@ impl Creases {
         let most = (MOST_SPANS / lines.list.len().max(1)).min(*SPANS.end());
         let Density::Fold(q) = self.density else { return Ok(Vec::new()) };
         let fineness = Fineness::new(reach, f64::from(q), least, most);
-        let crease = |line| {
-            Crease::new(&self.ground, line, &fineness).ok_or(WrinkleError::NoNormal { curve: line.index })
+        let crease = |line| match Crease::new(&self.ground, line, &fineness) {
+            None if gone => None,
+            crease => Some(crease.ok_or(WrinkleError::NoNormal { curve: line.index })),
         };
-        lines.list.par_iter().map(crease).collect()
+        lines.list.par_iter().filter_map(crease).collect()
     }
 
     fn wire(&self, crease: &Crease) -> Wire {

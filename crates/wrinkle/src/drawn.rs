@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 use wirework_core::Curve;
-use wirework_surface::{Step, Stop};
+use wirework_surface::Step;
 
 use crate::ground::{Ground, wide};
 use crate::pattern::Line;
 use crate::random::{Jitter, unit};
 use crate::trace::{Trace, position};
-use crate::travel::stop;
+use crate::travel::{room, stop};
 use crate::{Motion, Wrinkle, WrinkleError};
 
 /// Samples of a drawn curve: at least so many, for its shape, and at most, for the time it takes.
@@ -84,12 +84,9 @@ fn travelled(settings: &Wrinkle, seconds: f64) -> [f64; 2] {
 fn travel(ground: &Ground, points: &[Step], way: f64, thickness: f64, closed: bool) -> Vec<Step> {
     let gone = |i: usize| {
         let across = across(ground, points, i, closed) * way.signum();
-        let Some(walker) = ground.terrain.walker_at(&points[i], across.to_array()) else { return points[i] };
-        let room = match walker.clone().walk(way.abs(), |_, _| {}) {
-            (_, Stop::Arrived) => f64::INFINITY,
-            (walked, _) => walked,
-        };
-        let mut walker = walker;
+        let walker = ground.terrain.walker_at(&points[i], across.to_array());
+        let Some(mut walker) = walker else { return points[i] };
+        let room = room(&walker, way.abs(), thickness);
         walker.walk(stop(way.abs(), room, thickness), |_, _| {});
         walker.step()
     };

@@ -141,6 +141,14 @@ pub enum WrinkleWarning {
         /// How many ends.
         ends: usize,
     },
+    /// Creases have gone where the surface has no room for them.
+    #[error(
+        "from {seconds:.2} s on creases have left the surface, or shrunk to nothing, and are left out [gone]"
+    )]
+    Gone {
+        /// The first moment that was worked out at which any had.
+        seconds: f64,
+    },
     /// The surface is not a manifold where creases run.
     #[error(
         "an edge where the surface is not a manifold (more than two faces, or two that disagree about the outside) cuts \

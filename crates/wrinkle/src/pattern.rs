@@ -86,14 +86,14 @@ pub(crate) fn lines(
     match &settings.pattern {
         Pattern::Drawn(curves) => {
             for (index, drawn) in curves.iter().enumerate() {
-                lines.list.push(drawn::drop(
-                    ground,
-                    &drawn.at(seconds),
-                    index,
-                    settings,
-                    seconds,
-                    thickness,
-                )?);
+                match drawn::drop(ground, &drawn.at(seconds), index, settings, seconds, thickness) {
+                    Ok(line) => lines.list.push(line),
+                    // What is drawn for another place is refused; what goes there later is gone.
+                    Err(WrinkleError::Collapsed { .. } | WrinkleError::TooFar { .. }) if seconds != 0.0 => {
+                        lines.outside += 1;
+                    }
+                    Err(error) => return Err(error),
+                }
             }
         }
         Pattern::Tangential(layout) => {
@@ -112,7 +112,7 @@ pub(crate) fn lines(
             }
         }
     }
-    lines.close(settings)
+    lines.close(settings, seconds)
 }
 
 impl Lines {
@@ -135,9 +135,9 @@ impl Lines {
         }
     }
 
-    fn close(mut self, settings: &Wrinkle) -> Result<Self, WrinkleError> {
+    fn close(mut self, settings: &Wrinkle, seconds: f64) -> Result<Self, WrinkleError> {
         let creases = settings.crease_count();
-        if self.list.is_empty() {
+        if self.list.is_empty() && seconds == 0.0 {
             return Err(WrinkleError::NoRoom);
         }
         if self.outside > 0 {

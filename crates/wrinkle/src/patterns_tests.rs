@@ -304,6 +304,82 @@ fn drawn_creases_follow_the_keys_of_their_curves() {
     }
 }
 
+/// The farthest that any reference point goes in a hundredth of a second, in ten seconds.
+fn fastest(mesh: &Mesh, pattern: Pattern, velocity: [f32; 2]) -> f64 {
+    let settings = Wrinkle {
+        motion: Motion::Travelling { velocity },
+        thickness: Keyed::Constant(0.3),
+        ..Wrinkle::new(pattern)
+    };
+    let mut creases = lay(mesh, &settings).unwrap();
+    let mut ends = |seconds: f64| {
+        creases.at(seconds, None).unwrap();
+        let ends = |wire: &Wire| [0.0, 1.0].map(|u| wide(wire.reference.point(u)));
+        wires(&creases, seconds).iter().map(ends).collect::<Vec<_>>()
+    };
+    let (mut before, mut most) = (ends(0.0), 0.0_f64);
+    for i in 1..=1000 {
+        let now = ends(f64::from(i) * 0.01);
+        let pairs = before.iter().zip(&now).flat_map(|(a, b)| a.iter().zip(b));
+        most = pairs.map(|(a, b)| a.distance(*b)).fold(most, f64::max);
+        before = now;
+    }
+    most
+}
+
+#[test]
+fn no_fold_jumps_where_it_meets_a_border() {
+    let mesh = plane(40);
+    let narrow = Layout { creases: 3, size: [0.5, 0.1], ..LAYOUT };
+    let drawn =
+        || Pattern::Drawn(vec![Curve::polyline(vec![[-0.3, 0.0, 0.1], [0.3, 0.0, 0.1]]).unwrap().into()]);
+    for velocity in [[0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]] {
+        for (name, pattern) in [("tangential", Pattern::Tangential(narrow)), ("drawn", drawn())] {
+            let most = fastest(&mesh, pattern, velocity);
+            assert!(most < 0.00501, "{name} {velocity:?}: {most}");
+        }
+    }
+    // Radial creases are cut by the border as their centre nears it: the inner ends tell.
+    let radial = Pattern::Radial(Layout { creases: 1, size: [0.2, 1.0], ..LAYOUT }, Branches::default());
+    let most = fastest(&mesh, radial, [-0.5, 0.0]);
+    assert!(most < 0.00501, "radial: {most}");
+}
+
+#[test]
+fn creases_that_shrink_to_nothing_later_are_left_out_with_a_word() {
+    // A disc: the chord gets shorter and is gone at the rim.
+    let mut mesh = plane(60);
+    for p in &mut mesh.positions {
+        let (square, round) = (p[0].abs().max(p[2].abs()), p[0].hypot(p[2]));
+        if round > 0.0 {
+            (p[0], p[2]) = (p[0] * square / round, p[2] * square / round);
+        }
+    }
+    let layout = Layout { creases: 1, size: [3.0, 0.4], ..LAYOUT };
+    let settings = Wrinkle {
+        motion: Motion::Travelling { velocity: [0.0, 0.5] },
+        thickness: Keyed::Constant(0.1),
+        ..Wrinkle::new(Pattern::Tangential(layout))
+    };
+    let mut creases = lay(&mesh, &settings).unwrap();
+    for i in 0..=40 {
+        creases.at(f64::from(i) * 0.1, None).unwrap();
+        deform(&mesh, &creases, f64::from(i) * 0.1);
+    }
+    let gone = |w: &&WrinkleWarning| matches!(w, WrinkleWarning::Gone { .. });
+    assert!(creases.is_empty() && creases.warnings().iter().filter(gone).count() == 1);
+    // A curve that is keyed away from the surface.
+    let curve = Curve::polyline(vec![[-0.3, 0.0, 0.0], [0.3, 0.0, 0.0]]).unwrap();
+    let keys = vec![(0.0, curve.points().to_vec()), (1.0, vec![[-0.3, 9.0, 0.0], [0.3, 9.0, 0.0]])];
+    let drawn = Drawn { curve, points: Some(Keyed::keys(keys, false).unwrap()) };
+    let mut creases = lay(&plane(20), &Wrinkle::new(Pattern::Drawn(vec![drawn]))).unwrap();
+    creases.at(0.9, None).unwrap();
+    assert!(creases.is_empty() && wires(&creases, 0.9).is_empty());
+    assert_eq!(creases.warnings().iter().filter(gone).count(), 1);
+    creases.at(0.0, None).unwrap();
+    assert_eq!(creases.len(), 1);
+}
+
 #[test]
 fn travelling_rings_come_in_again_without_a_step() {
     let layout = Layout { creases: 3, ..LAYOUT };
@@ -313,6 +389,18 @@ fn travelling_rings_come_in_again_without_a_step() {
         ..Wrinkle::new(Pattern::Ripple(layout))
     };
     let mesh = plane(80);
+    for seed in 0..4 {
+        let mut jittered = lay(&mesh, &Wrinkle { randomness: 1.0, seed, ..settings.clone() }).unwrap();
+        let mut before = deform(&mesh, &jittered, 0.0);
+        for i in 1..=400 {
+            jittered.at(f64::from(i) * 0.01, None).unwrap();
+            let now = deform(&mesh, &jittered, f64::from(i) * 0.01);
+            let pairs = before.iter().zip(&now).map(|(a, b)| wide(*a).distance(wide(*b)));
+            let step = pairs.fold(0.0, f64::max);
+            assert!(step < 0.006, "seed {seed}, step {i}: {step}");
+            before = now;
+        }
+    }
     let mut creases = lay(&mesh, &settings).unwrap();
     let mut at = |seconds: f64| {
         creases.at(seconds, None).unwrap();

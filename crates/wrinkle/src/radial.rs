@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use wirework_surface::{Stop, Walker};
+use wirework_surface::Walker;
 
 use crate::pattern::{Line, Lines};
 use crate::random::{Jitter, unit};
 use crate::trace::Trace;
-use crate::travel::stop;
+use crate::travel::{room, stop};
 use crate::{Branches, Layout, Motion, Wrinkle};
 
 /// Where creases begin, in parts of the thickness and of their length, the lesser: all of them in one point would be a
@@ -56,11 +56,7 @@ fn travel(center: &mut Walker<'_>, settings: &Wrinkle, seconds: f64, thickness: 
     let (along, across) = (f64::from(along), f64::from(across));
     let (way, angle) = (along.hypot(across) * seconds, across.atan2(along));
     center.turn(angle);
-    let room = match center.clone().walk(way, |_, _| {}) {
-        (_, Stop::Arrived) => f64::INFINITY,
-        (walked, _) => walked,
-    };
-    center.walk(stop(way, room, thickness), |_, _| {});
+    center.walk(stop(way, room(center, way, thickness), thickness), |_, _| {});
     center.turn(-angle);
 }
 

@@ -201,12 +201,14 @@ fn rings(layout: &Layout, settings: &Wrinkle, seconds: f64) -> Vec<Ring> {
     let cycle = outer + spacing;
     let ring = |index| {
         let way = (index + 1) as f64 * spacing + f64::from(out) * seconds;
-        let (radius, strength) = jittered(index, way.rem_euclid(cycle));
+        // Where a ring goes out and comes in again it is not to have a height, wherever jitter puts it.
+        let place = way.rem_euclid(cycle);
+        let (radius, strength) = jittered(index, place);
         let ease = |x: f64| {
             let x = (x / (EASE * spacing)).clamp(0.0, 1.0);
             x * x * (3.0 - 2.0 * x)
         };
-        Ring { radius: radius.max(0.0), strength: strength * ease(radius) * ease(cycle - radius) }
+        Ring { radius: radius.max(0.0), strength: strength * ease(place) * ease(cycle - place) }
     };
     (0..=count).map(ring).collect()
 }

@@ -23,7 +23,7 @@ pub struct Strain {
     pub to: f32,
     /// The distance over which compression is averaged, in the unit of the surface, > 0. Default none: twice the thickness.
     pub radius: Option<f32>,
-    /// The time over which compression is averaged, in seconds, 0 or greater. Default 0.1.
+    /// The time over which compression is averaged, in seconds, 0 or greater. Default 0.1. It needs a record of more than one moment.
     pub settle: f32,
 }
 
@@ -82,6 +82,8 @@ struct Strand {
 /// Triangles that a gauge looks at, at most: of more, some of all distances stand for the others. With 128 an arm of twice as many
 /// triangles a way had folds 8 % of their height off those of the coarser one; looked at whole, 0.8 %.
 const MOST_STRANDS: usize = 1024;
+/// Triangles round a node that are looked at, at most, the nearest: a radius that holds more is larger than any fold.
+const MOST_SEEN: usize = 1 << 14;
 
 impl Gauges {
     /// At the nodes of creases where they were laid; `radius` in the unit of the surface.
@@ -134,10 +136,15 @@ impl Gauge {
                 strands.push(Strand { corners: terrain.places_of(triangle), along, weight });
             }
             for next in terrain.neighbours(triangle) {
-                if seen.insert(next) {
+                if seen.len() < MOST_SEEN && seen.insert(next) {
                     queue.push_back(next);
                 }
             }
+        }
+        let count = strands.len();
+        if count > MOST_STRANDS {
+            // They are in the order of their distance.
+            strands = (0..MOST_STRANDS).map(|i| strands[i * count / MOST_STRANDS]).collect();
         }
         Self(strands)
     }
@@ -148,11 +155,6 @@ impl Gauge {
                 length if length > 0.0 => strand.weight / length,
                 _ => 0.0,
             };
-        }
-        let count = self.0.len();
-        if count > MOST_STRANDS {
-            // They are in the order of their distance.
-            self.0 = (0..MOST_STRANDS).map(|i| self.0[i * count / MOST_STRANDS]).collect();
         }
         let sum: f32 = self.0.iter().map(|strand| strand.weight * strand.length(rest)).sum();
         if sum > 0.0 {
@@ -190,6 +192,36 @@ fn along(corners: [DVec3; 3], direction: DVec3) -> Option<[f32; 2]> {
     (x.is_finite() && y.is_finite()).then_some([x as f32, y as f32])
 }
 
+/// Running means in a window.
+const MEANS: usize = 3;
+
+/// The mean of each reading and so many on either side; beyond the ends readings are what they are there. By sums so far, so that a wide
+/// window takes no longer than a narrow one.
+fn mean(readings: &[Vec<f32>], half: usize) -> Vec<Vec<f32>> {
+    let (Some(first), Some(last)) = (readings.first(), readings.last()) else { return Vec::new() };
+    let half = half.min(readings.len());
+    if half == 0 {
+        return readings.to_vec();
+    }
+    let mut sums = vec![vec![0.0; first.len()]];
+    for reading in readings {
+        let before = &sums[sums.len() - 1];
+        sums.push(before.iter().zip(reading).map(|(sum, r)| sum + f64::from(*r)).collect());
+    }
+    let count = readings.len();
+    let at = |i: usize| {
+        let (from, to) = (i.saturating_sub(half), (i + half + 1).min(count));
+        let (early, late) = ((from + half - i) as f64, (i + half + 1 - to) as f64);
+        let node = |k: usize| {
+            let sum = sums[to][k] - sums[from][k];
+            let ends = early * f64::from(first[k]) + late * f64::from(last[k]);
+            ((sum + ends) / (2 * half + 1) as f64) as f32
+        };
+        (0..first.len()).map(node).collect()
+    };
+    (0..count).into_par_iter().map(at).collect()
+}
+
 /// Compression in time: readings at equal steps from 0 s on.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Record {
@@ -199,27 +231,16 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    /// Of readings at equal steps in seconds, averaged over `settle` seconds: a window that falls off to either side, so
-    /// that what rises does so smoothly.
-    pub(crate) fn new(step: f64, readings: Vec<Vec<f32>>, settle: f64) -> Self {
-        let half = settle / 2.0 / step;
-        if half < 0.5 || readings.len() < 2 {
-            return Self { step, readings };
-        }
-        let reach = half.ceil() as usize;
-        let last = readings.len() - 1;
-        let mean = |i: usize| {
-            let (mut sum, mut weights) = (vec![0.0; readings[i].len()], 0.0);
-            for k in 0..=2 * reach {
-                let x = (k as f64 - reach as f64) / (half + 1.0);
-                let weight = (1.0 - x * x).max(0.0).powi(2);
-                let reading = &readings[(i + k).saturating_sub(reach).min(last)];
-                sum.iter_mut().zip(reading).for_each(|(sum, r)| *sum += weight * f64::from(*r));
-                weights += weight;
+    /// Of readings at equal steps in seconds, averaged over `settle` seconds: three running means one after the other, a window that
+    /// falls off to either side, so that what rises does so smoothly.
+    pub(crate) fn new(step: f64, mut readings: Vec<Vec<f32>>, settle: f64) -> Self {
+        // A clip without a length has one moment.
+        if step > 0.0 {
+            let half = (settle / (2.0 * MEANS as f64) / step).round() as usize;
+            for _ in 0..MEANS {
+                readings = mean(&readings, half);
             }
-            sum.into_iter().map(|sum| (sum / weights) as f32).collect()
-        };
-        let readings = (0..=last).into_par_iter().map(mean).collect();
+        }
         Self { step, readings }
     }
 

@@ -143,6 +143,27 @@ fn readings_are_smoothed_in_time() {
 }
 
 #[test]
+fn a_clip_without_length_and_a_window_beyond_all_measure_are_one_mean() {
+    let strain = Strain { from: 0.0, to: 0.4, ..Strain::default() };
+    for settle in [0.0, 0.1, 1e30] {
+        let pose = Record::new(0.0, vec![vec![0.4], vec![0.4]], settle);
+        assert_eq!((pose.raise(&strain, 0.0, 0), pose.raise(&strain, 3.0, 0)), (1.0, 1.0));
+    }
+    let ramp: Vec<Vec<f32>> = (0..=100).map(|i| vec![0.004 * i as f32]).collect();
+    let flat = Record::new(0.02, ramp, 1e30);
+    let all: Vec<f64> = (0..=100).map(|i| flat.raise(&strain, f64::from(i) * 0.02, 0)).collect();
+    assert!(all.iter().all(|h| (h - 0.5).abs() < 0.3 && h.is_finite()), "{all:?}");
+}
+
+#[test]
+fn a_radius_beyond_all_measure_looks_at_so_many_triangles() {
+    let mesh = grid([2.0, 2.0], [300, 300], [0.0, 1.0, 0.0]).unwrap();
+    let laid = lay(&mesh, LAYOUT, Strain { radius: Some(1e20), ..Strain::default() });
+    let now = map(&mesh, |[x, y, z]| [0.8 * x, y, z]);
+    assert!(laid.compression(&now).iter().all(|c| (c - 0.2).abs() < 1e-3));
+}
+
+#[test]
 fn settings_out_of_range_are_named() {
     let base = Strain::default();
     for (strain, name) in [

@@ -7,7 +7,7 @@ use wirework_surface::{Stop, Walker};
 use crate::pattern::{Line, Lines};
 use crate::random::{Jitter, unit};
 use crate::trace::{Trace, Walked};
-use crate::travel::stop;
+use crate::travel::{room, stop};
 use crate::{Layout, Motion, Wrinkle};
 
 /// The most jitter sideways, in parts of the spacing: neighbours keep a fifth of it between them.
@@ -37,7 +37,7 @@ pub(crate) fn lay(
         _ => [0.0; 2],
     };
     let way = velocity[1] * seconds;
-    let room = if way == 0.0 { f64::INFINITY } else { room(center, width + way.abs(), way) };
+    let room = if way == 0.0 { f64::INFINITY } else { across(center, width, way, thickness) };
     // Folds that come to a border gather there; those behind stay behind.
     let gathered = spacing.min(thickness);
     for index in 0..layout.creases as usize {
@@ -74,15 +74,13 @@ pub(crate) fn lay(
     }
 }
 
-/// How far it is from the centre across the pattern to a border, if that is nearer than `most`; in the direction of the sign of
-/// `way`.
-fn room(center: &Walker<'_>, most: f64, way: f64) -> f64 {
+/// How far it is from the centre across the pattern to a border, in the direction of the sign of `way`; infinite where none of the folds
+/// is to slow down for it yet.
+fn across(center: &Walker<'_>, width: f64, way: f64, thickness: f64) -> f64 {
     let mut walker = center.clone();
     walker.turn(FRAC_PI_2 * way.signum());
-    match walker.walk(most, |_, _| {}) {
-        (_, Stop::Arrived) => f64::INFINITY,
-        (walked, _) => walked,
-    }
+    // The foremost is half the width ahead, and the others gather over at most the width behind it.
+    room(&walker, 2.0 * width + way.abs(), thickness)
 }
 
 /// Someone who has gone `rest` across from the centre and `way` on, and looks along again; none where the surface does not go so far
@@ -109,8 +107,5 @@ fn along(walker: &Walker<'_>, range: (f64, f64), way: f64, thickness: f64) -> f6
         ahead.turn(std::f64::consts::PI);
     }
     let end = if way < 0.0 { -range.0 } else { range.1 };
-    match ahead.walk(end + way.abs(), |_, _| {}) {
-        (_, Stop::Arrived) => way,
-        (walked, _) => stop(way, walked - end, thickness),
-    }
+    stop(way, room(&ahead, end + way.abs(), thickness) - end, thickness)
 }

@@ -97,7 +97,7 @@ impl Trace {
             self.reverse();
         }
         let spare = (self.lengths.last().copied().unwrap_or(0.0) - self.to).max(0.0);
-        let beyond = self.onward(ground, (way.abs() - spare).max(0.0));
+        let beyond = self.onward(ground, (way.abs() + ease - spare).max(0.0));
         let room = match &beyond {
             Some(Ahead { stop: Stop::Arrived, .. }) => f64::INFINITY,
             Some(ahead) => spare + ahead.reached,

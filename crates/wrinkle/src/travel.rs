@@ -1,5 +1,16 @@
 //! How far a travelling fold has come.
 
+use wirework_surface::{Stop, Walker};
+
+/// How far it is from a walker straight ahead to a border; infinite where that is too far to slow down a fold that would have gone
+/// `way`, at least 0.
+pub(crate) fn room(walker: &Walker<'_>, way: f64, ease: f64) -> f64 {
+    match walker.clone().walk(way + ease, |_, _| {}) {
+        (_, Stop::Arrived) => f64::INFINITY,
+        (walked, _) => walked,
+    }
+}
+
 /// The way of a fold that would have gone `way`, signed, where there is `room` ahead: it stops at the end of it, and slows down
 /// over the last `ease` before.
 pub(crate) fn stop(way: f64, room: f64, ease: f64) -> f64 {
