@@ -324,6 +324,7 @@ impl pulp::WithSimd for DeformTile<'_> {
             let out = &mut displacements[used];
             out.clear();
             out.exponent = wire.exponent.unwrap_or(self.blend.exponent);
+            out.amplitude = wire.amplitude;
             used += 1;
             for run in &runs.list {
                 let cell = &bound.frame.cells[run.cell as usize];

@@ -34,6 +34,10 @@ const ZERO: Row = [0.0; TILE];
 /// Stands for the logarithm of zero; finite, so that differences are numbers.
 const NOTHING: f32 = -1e30;
 
+/// `1 − G` of a point that lies on a reference, where it is 0: so far below the steps of f32 that others, however near, do not count
+/// beside it. Were it one of these steps, they would pull at such points by some 1e-5 of what they do.
+const ON_REFERENCE: f32 = f32::EPSILON * f32::EPSILON;
+
 /// Reads the `i`-th vector of a row.
 #[inline(always)]
 fn read<S: Simd>(simd: S, row: &Row, i: usize) -> Floats<S> {
@@ -91,6 +95,8 @@ impl Sums {
         let unit = Floats::splat(simd, unit);
         self.weighted.iter_mut().chain([&mut self.weight]).for_each(|row| row.fill(0.0));
         match m {
+            // Nothing of it would be left.
+            _ if blend.localize == 1.0 => {}
             0.0 if alike => self.weigh::<S, 0>(unit, wires),
             1.0 if alike => self.weigh::<S, 1>(unit, wires),
             2.0 if alike => self.weigh::<S, 2>(unit, wires),
@@ -100,7 +106,11 @@ impl Sums {
             self.add_plain(simd, wires);
         }
         if blend.localize != 0.0 {
-            self.add_local(Floats::splat(simd, blend.locality), wires);
+            if blend.pinned {
+                self.add_pinned(simd, wires);
+            } else {
+                self.add_local(Floats::splat(simd, blend.locality), wires);
+            }
         }
         let Some(out) = wires.first_mut() else { return };
         for (axis, out) in [&mut out.x, &mut out.y, &mut out.z].into_iter().enumerate() {
@@ -180,6 +190,23 @@ impl Sums {
             for i in 0..TILE / S::F32_LANES {
                 let f = read(simd, &wire.influence, i);
                 let w = exp2_where(zero.less(f), locality * log2(f) - read(simd, &self.largest, i));
+                add3(&mut self.local, i, wire.read(simd, i).times(w));
+                add(&mut self.local_weight, i, w);
+            }
+        }
+    }
+
+    /// The local part by `G / (1 − G)`; on several references at once, as where they meet, all have the same say.
+    #[inline(always)]
+    fn add_pinned<S: Simd>(&mut self, simd: S, wires: &[Displacements]) {
+        self.local.iter_mut().chain([&mut self.local_weight]).for_each(|row| row.fill(0.0));
+        let (one, least) = (Floats::splat(simd, 1.0), Floats::splat(simd, ON_REFERENCE));
+        for wire in wires {
+            let amplitude = Floats::splat(simd, wire.amplitude.clamp(0.0, 1.0));
+            for i in 0..TILE / S::F32_LANES {
+                let g = amplitude * read(simd, &wire.influence, i);
+                let rest = one - g;
+                let w = g / least.less(rest).select(rest, least);
                 add3(&mut self.local, i, wire.read(simd, i).times(w));
                 add(&mut self.local_weight, i, w);
             }

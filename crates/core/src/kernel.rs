@@ -44,12 +44,14 @@ pub(crate) struct Displacements {
     pub(crate) influence: [f32; TILE],
     /// `m`.
     pub(crate) exponent: f32,
+    /// The wire's own, for the pinned blend.
+    pub(crate) amplitude: f32,
 }
 
 impl Displacements {
     pub(crate) fn new() -> Self {
         let zero = [0.0; TILE];
-        Self { x: zero, y: zero, z: zero, influence: zero, exponent: 1.0 }
+        Self { x: zero, y: zero, z: zero, influence: zero, exponent: 1.0, amplitude: 1.0 }
     }
 
     pub(crate) fn clear(&mut self) {

@@ -323,6 +323,10 @@ pub struct Blend {
     pub localize: f32,
     /// `k`: exponent of `F` in the local blend. Default 1.
     pub locality: f32,
+    /// Whether the local blend weighs wires by `G / (1 − G)` in place of `F^k`, `G = F` times the wire's own amplitude, clamped to
+    /// 0 ..= 1: a point on a reference curve is then moved by that wire alone, whatever others reach it, and the blend is smooth all
+    /// the same; a wire of amplitude 0 has no say. \[SF98\] §5.2 needs it where seams meet. Default no.
+    pub pinned: bool,
 }
 
 impl Blend {
@@ -340,6 +344,6 @@ impl Blend {
 
 impl Default for Blend {
     fn default() -> Self {
-        Self { exponent: 1.0, crossing: 0.0, localize: 0.0, locality: 1.0 }
+        Self { exponent: 1.0, crossing: 0.0, localize: 0.0, locality: 1.0, pinned: false }
     }
 }

@@ -253,6 +253,38 @@ fn the_exponent_runs_from_the_smallest_over_the_mean_to_the_largest() {
 }
 
 #[test]
+fn pinned_wires_alone_move_the_points_on_them_and_share_the_others_smoothly() {
+    let blend = Blend { localize: 1.0, pinned: true, ..Blend::default() };
+    let mut wires = crossing(1.0, 3.0);
+    let along = |t: f32| [[t, 0.0, 0.0], [0.0, t, 0.0]];
+    for t in [1.0, 0.5, 0.1, 0.01] {
+        let [a, b] = along(t).map(|p| deform(&wires, &blend, &[p])[0]);
+        assert!((a[2] - 1.0).abs() < 1e-5 && (b[2] - 3.0).abs() < 1e-5, "at {t}: {a:?} {b:?}");
+    }
+    // Where both lie, both have the same say.
+    assert_eq!(deform(&wires, &blend, &[[0.0; 3]])[0][2], 2.0);
+    // Between the two no step, and the weights are what the formula says.
+    let arc: Vec<[f32; 3]> =
+        (0..=900).map(|i| (i as f32 * 0.1).to_radians()).map(|a| [a.cos(), a.sin(), 0.0]).collect();
+    let heights: Vec<f32> = deform(&wires, &blend, &arc).iter().map(|p| p[2]).collect();
+    assert!(heights.windows(2).all(|w| (w[1] - w[0]).abs() < 0.01));
+    for (p, z) in arc.iter().zip(&heights) {
+        let [f, g] = [p[1], p[0]].map(|d| f64::from(1.0 - (d * 0.5).powi(2)).powi(2));
+        let [v, w] = [f / (1.0 - f).max(1e-7), g / (1.0 - g).max(1e-7)];
+        let expected = (v * f + w * g * 3.0) / (v + w);
+        assert!((f64::from(*z) - expected).abs() < 2e-5, "at {p:?}: {z}, not {expected}");
+    }
+    // One without amplitude has no say, not even on its own reference; one that does not move holds.
+    wires[1].amplitude = 0.0;
+    let (both, one) =
+        (deform(&wires, &blend, &arc[450..451])[0], deform(&wires[..1], &blend, &arc[450..451])[0]);
+    assert!((both[2] - one[2]).abs() < 1e-6, "{both:?} {one:?}");
+    wires[1] = Wire { pose: wires[1].reference.points().to_vec(), amplitude: 1.0, ..wires[1].clone() };
+    let held = deform(&wires, &blend, &[[0.0, 0.5, 0.0]])[0];
+    assert!(held[2].abs() < 1e-9, "{held:?}");
+}
+
+#[test]
 fn a_wire_that_moves_nothing_is_left_out_whatever_the_exponent() {
     let wires = crossing(0.0, 1.0);
     for m in [-8.0, -1.0, 0.0, 1.0, 8.0] {

@@ -139,6 +139,7 @@ pub(crate) fn blend(reader: &mut Reader<'_>, node: &Node) -> Option<Blend> {
         // A negative k would let F → 0 outweigh everything.
         locality: reader
             .field(&mut fields, "locality", rest.locality, |r, node| r.number(node, Within::NotNegative)),
+        pinned: rest.pinned,
     };
     reader.finish(fields);
     Some(blend)

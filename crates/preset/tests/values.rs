@@ -50,7 +50,10 @@ fn what_is_left_out_has_the_documented_default() {
     assert_eq!((wire.interpolation, wire.correspondence), (Interpolation::Linear, Correspondence::Parameter));
     assert_eq!((wire.group, wire.exponent, wire.locators.len()), (None, None, 0));
     let text = "Deform(wires: [Wire(curve: BSpline(points: [(0, 0, 0)]))])";
-    assert_eq!(deform(text).blend, Blend { exponent: 1.0, crossing: 0.0, localize: 0.0, locality: 1.0 });
+    assert_eq!(
+        deform(text).blend,
+        Blend { exponent: 1.0, crossing: 0.0, localize: 0.0, locality: 1.0, pinned: false }
+    );
     assert_eq!(deform(text).wires[0].reference().kind(), CurveKind::BSpline { degree: 3 });
     assert!(!deform(text).wires[0].reference().closed());
     let preset = preset(text);

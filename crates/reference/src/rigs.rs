@@ -50,6 +50,7 @@ impl Rig {
             crossing: random.pick(&[0.0, 0.0, 0.4, 1.0]),
             localize: random.pick(&[0.0, 0.0, 0.3, 1.0]),
             locality: random.pick(&[1.0, 0.0, 2.5]),
+            ..Blend::default()
         };
         let points = points(&mut random, &frame, &wires);
         let masks = vec![None; wires.len()];
