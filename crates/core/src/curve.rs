@@ -155,6 +155,13 @@ impl Curve {
         to_array(spans.tangent(if at_joint { joint } else { f64::from(u) }))
     }
 
+    /// The points at several parameters, each clamped to `[0, 1]`, and the unit tangents there: zero where there is none, the mean
+    /// of both sides at a corner. In double precision, for those who compute with differences of them.
+    pub fn at(&self, parameters: impl IntoIterator<Item = f64>) -> Vec<([f64; 3], [f64; 3])> {
+        let spans = Spans::new(self);
+        parameters.into_iter().map(|u| (spans.at(u).to_array(), spans.tangent(u).to_array())).collect()
+    }
+
     /// Arc length.
     pub fn length(&self) -> f32 {
         ArcLength::new(&Spans::new(self)).total() as f32

@@ -1,0 +1,237 @@
+//! Seams as wires: one along each edge, both to the common seam.
+
+use wirework_core::{Blend, Locator, Wire};
+use wirework_surface::Near;
+
+use crate::corner::{Corner, corners};
+use crate::error::{EdgeFault, StitchError, StitchWarning};
+use crate::pairing::{Track, pair};
+use crate::path::Path;
+use crate::settings::{Continuity, SeamSide, Stitch};
+use crate::side::Side;
+use crate::surfaces::{Piece, Surfaces};
+use crate::tangent::{corner_normals, flatten, twists};
+use crate::target::{Moment, Sides, hold, meet, seams_alone, tear};
+
+/// Seams laid on surfaces. Which vertices their edges have is settled once; where these are may change.
+#[derive(Clone, Debug)]
+pub struct Seams {
+    settings: Stitch,
+    sides: Vec<Sides>,
+    corners: Vec<Corner>,
+    near: Vec<Near>,
+    pins: Vec<Pin>,
+    warnings: Vec<StitchWarning>,
+}
+
+/// A vertex of an edge that a closed seam takes just where it is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pin {
+    /// The point.
+    pub point: u32,
+    /// The wire along its edge.
+    pub wire: u32,
+    /// Where it comes.
+    pub goal: [f32; 3],
+}
+
+/// Finds the edges of seams and what of them belongs together.
+///
+/// # Errors
+///
+/// A setting out of range; an edge that is not there or has no length; seams that take the same stretch of a border.
+pub fn seams(surfaces: &Surfaces<'_>, settings: &Stitch) -> Result<Seams, StitchError> {
+    settings.check()?;
+    let mut pieces: Vec<Option<Piece>> = Vec::new();
+    let paths = paths(surfaces, settings, &mut pieces)?;
+    check_crossings(&paths)?;
+    let mut sides = Vec::new();
+    let mut near = Vec::new();
+    for (index, (seam, [a, b])) in settings.seams.iter().zip(paths).enumerate() {
+        if a.closed != b.closed {
+            return Err(StitchError::LoopAndRun { seam: index });
+        }
+        let [a, b] = pair(a, b, seam.pairing, seam.reversed, surfaces);
+        let radius = seam.radius.values().copied().fold(0.0, f32::max);
+        let side = |side: SeamSide, own: &Track, other: &Track| {
+            let piece = pieces.get(seam.edge(side).piece).and_then(Option::as_ref);
+            let fans = piece.map_or_else(Vec::new, |piece| piece.fans(&own.path.vertices));
+            let near =
+                piece.map(|piece| piece.near(surfaces, &own.path.vertices, radius)).unwrap_or_default();
+            let fault = |_| StitchError::Edge { seam: index, side, fault: EdgeFault::NoLength };
+            Ok((Side::new(own.clone(), other, fans, surfaces.positions).map_err(fault)?, near))
+        };
+        let (first, near_first) = side(SeamSide::A, &a, &b)?;
+        let (second, near_second) = side(SeamSide::B, &b, &a)?;
+        sides.push([first, second]);
+        near.extend([near_first, near_second]);
+    }
+    let tracks: Vec<[&Track; 2]> = sides.iter().map(|[a, b]| [&a.track, &b.track]).collect();
+    let corners = corners(&tracks);
+    let warnings = junctions(settings, &sides);
+    Ok(Seams { settings: settings.clone(), sides, corners, near, pins: Vec::new(), warnings })
+}
+
+fn paths(
+    surfaces: &Surfaces<'_>,
+    settings: &Stitch,
+    pieces: &mut Vec<Option<Piece>>,
+) -> Result<Vec<[Path; 2]>, StitchError> {
+    let mut path = |seam: usize, side: SeamSide| {
+        let edge = settings.seams[seam].edge(side);
+        let fail = |fault| StitchError::Edge { seam, side, fault };
+        let known = surfaces.sides.len().max(usize::from(surfaces.piece_of.is_empty()));
+        if edge.piece >= known {
+            return Err(fail(EdgeFault::NoPiece(edge.piece)));
+        }
+        if pieces.len() <= edge.piece {
+            pieces.resize_with(edge.piece + 1, || None);
+        }
+        let piece = pieces[edge.piece].get_or_insert_with(|| surfaces.piece(edge.piece));
+        Path::of(edge, piece, surfaces).map_err(fail)
+    };
+    (0..settings.seams.len()).map(|seam| Ok([path(seam, SeamSide::A)?, path(seam, SeamSide::B)?])).collect()
+}
+
+/// A border can be sewn once only; edges may share their ends.
+fn check_crossings(paths: &[[Path; 2]]) -> Result<(), StitchError> {
+    let mut taken: std::collections::BTreeMap<u32, (usize, usize)> = std::collections::BTreeMap::new();
+    let all =
+        || paths.iter().enumerate().flat_map(|(seam, sides)| [(seam, 0, &sides[0]), (seam, 1, &sides[1])]);
+    let clash = |seam: usize, other: usize| {
+        if seam == other {
+            StitchError::Itself { seam }
+        } else {
+            StitchError::Crossing { seam: seam.max(other), other: seam.min(other) }
+        }
+    };
+    for (seam, side, path) in all() {
+        for &vertex in path.inner() {
+            if let Some((other, _)) = taken.insert(vertex, (seam, side)) {
+                return Err(clash(seam, other));
+            }
+        }
+    }
+    for (seam, side, path) in all() {
+        for end in path.ends().into_iter().flatten() {
+            match taken.get(&end) {
+                Some(&(other, of)) if (other, of) != (seam, side) => return Err(clash(seam, other)),
+                _ => {}
+            }
+        }
+    }
+    // Two runs of one segment each have no inner vertices.
+    let ends: Vec<_> = all().filter(|(.., path)| path.vertices.len() == 2).collect();
+    for (i, (seam, _, path)) in ends.iter().enumerate() {
+        let same =
+            |other: &Path| other.vertices == path.vertices || other.vertices.iter().rev().eq(&path.vertices);
+        if let Some((other, ..)) = ends[..i].iter().find(|(.., other)| same(other)) {
+            return Err(clash(*seam, *other));
+        }
+    }
+    Ok(())
+}
+
+/// Seams on which vertices of one edge have none on the other.
+fn junctions(settings: &Stitch, sides: &[Sides]) -> Vec<StitchWarning> {
+    let lone = |sides: &Sides| -> usize {
+        let of = |own: usize| {
+            let other = &sides[1 - own].track;
+            sides[own].other.iter().filter(|place| other.vertex(**place).is_none()).count()
+        };
+        of(0) + of(1)
+    };
+    let seams = settings.seams.iter().zip(sides).enumerate().filter(|(_, (seam, _))| !seam.weld);
+    let told = |(index, (_, sides)): (usize, (_, &Sides))| (index, lone(sides));
+    seams
+        .map(told)
+        .filter(|(_, vertices)| *vertices > 0)
+        .map(|(seam, vertices)| StitchWarning::Junctions { seam, vertices })
+        .collect()
+}
+
+impl Seams {
+    /// What each wire may move, two wires a seam: what the surface leads to from its edge.
+    pub fn near(&self) -> &[Near] {
+        &self.near
+    }
+
+    /// How the wires become one displacement: a point on a seam is moved by that alone.
+    pub fn blend(&self) -> Blend {
+        Blend { localize: 1.0, pinned: true, ..Blend::default() }
+    }
+
+    /// What is less than was asked for.
+    pub fn warnings(&self) -> &[StitchWarning] {
+        &self.warnings
+    }
+
+    /// Takes the edges to where the points are now, as many as there were.
+    pub fn follow(&mut self, positions: &[[f32; 3]]) {
+        self.sides.iter_mut().flatten().for_each(|side| side.follow(positions));
+    }
+
+    /// The wires at a moment, two for each seam in their order: along `a`, then along `b`. Old ones in the list are reused.
+    pub fn wires_at(&mut self, seconds: f64, wires: &mut Vec<Wire>) {
+        let moments: Vec<Moment> = self.settings.seams.iter().map(|seam| Moment::of(seam, seconds)).collect();
+        let mut targets = seams_alone(&self.sides, &moments);
+        meet(&self.sides, &moments, &self.corners, &mut targets);
+        let normals = corner_normals(&self.sides, &self.settings.seams, &moments, &self.corners, &targets);
+        for ((sides, normals), targets) in self.sides.iter().zip(&normals).zip(&mut targets) {
+            flatten(sides, normals, targets);
+        }
+        tear(&self.sides, &mut targets);
+        hold(&self.sides, &moments, &self.corners, &mut targets);
+        let laid = self.sides.iter().flatten().skip(wires.len());
+        wires.extend(laid.map(|side| Wire::new(side.reference.clone())));
+        wires.truncate(2 * self.sides.len());
+        self.pins.clear();
+        for (number, wire) in wires.iter_mut().enumerate() {
+            let (index, own) = (number / 2, number % 2);
+            let (seam, side, target) =
+                (&self.settings.seams[index], &self.sides[index][own], &targets[index][own]);
+            if wire.reference != side.reference {
+                wire.reference = side.reference.clone();
+            }
+            wire.pose.clear();
+            wire.pose.extend(target.goal.iter().map(|p| p.as_vec3().to_array()));
+            wire.density = seam.density.clone();
+            wire.radius = seam.radius.at(seconds);
+            wire.scale = seam.scale.at(seconds);
+            wire.amplitude = seam.closure.at(seconds);
+            if let (Continuity::Tangent, Ok(pose)) =
+                (seam.continuity, wire.reference.posed(wire.pose.clone()))
+            {
+                let bias = moments[index].bias;
+                twist(wire, side, &twists(&self.sides[index], own, bias, &normals[index], target, &pose));
+            }
+            if wire.amplitude == 1.0 {
+                let points = side.track.path.vertices.iter().zip(&wire.pose);
+                self.pins.extend(points.map(|(&point, &goal)| Pin { point, wire: number as u32, goal }));
+            }
+        }
+    }
+
+    /// Where vertices of edges come whose seams are closed, at the moment of the last [`Seams::wires_at`]. What the wires give there is
+    /// that up to rounding; a seam is shut only where both sides have the same bits. A vertex at which several seams meet stands
+    /// here for each of them, with the same goal.
+    pub fn pins(&self) -> &[Pin] {
+        &self.pins
+    }
+
+    /// How many seams there are.
+    pub fn count(&self) -> usize {
+        self.sides.len()
+    }
+}
+
+/// Sets the twist along a wire.
+fn twist(wire: &mut Wire, side: &Side, twists: &[f64]) {
+    if wire.locators.len() != twists.len() {
+        let places = side.parameters().map(|u| Locator { u: u as f32, ..Locator::default() });
+        wire.locators = places.collect();
+    }
+    for (locator, twist) in wire.locators.iter_mut().zip(twists) {
+        locator.twist = Some(*twist as f32);
+    }
+}

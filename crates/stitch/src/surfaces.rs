@@ -1,0 +1,98 @@
+//! The surfaces under a stitch: pieces of one list of points.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use wirework_surface::{Near, NearBuffer, Terrain};
+
+use crate::border::{Border, borders};
+
+/// Pieces as points and triangles. Points of two pieces may lie in one place and are two all the same.
+#[derive(Clone, Copy, Debug)]
+pub struct Surfaces<'a> {
+    /// All points.
+    pub positions: &'a [[f32; 3]],
+    /// Triangles between points of one piece each, counter-clockwise seen from outside.
+    pub triangles: &'a [[u32; 3]],
+    /// For each point the number of its piece; a number beyond `sides` is of none. Empty: all points are piece 0.
+    pub piece_of: &'a [u32],
+    /// For each piece its sides as lists of points, if it has any: `UMin` and `UMax` in the direction of growing `v`, `VMin` and
+    /// `VMax` in that of growing `u`.
+    pub sides: &'a [Option<[Vec<u32>; 4]>],
+}
+
+/// One piece by itself.
+pub(crate) struct Piece {
+    /// Its points, rising.
+    pub(crate) points: Vec<u32>,
+    /// Its triangles, by those.
+    triangles: Vec<[u32; 3]>,
+    pub(crate) borders: Vec<Border>,
+    /// Its largest extent.
+    pub(crate) size: f32,
+}
+
+impl Surfaces<'_> {
+    /// Takes one piece out.
+    pub(crate) fn piece(&self, piece: usize) -> Piece {
+        let is_own = |point: u32| match self.piece_of.get(point as usize) {
+            Some(&of) => of as usize == piece,
+            None => self.piece_of.is_empty() && piece == 0,
+        };
+        let points: Vec<u32> = (0..self.positions.len() as u32).filter(|&point| is_own(point)).collect();
+        let number: BTreeMap<u32, u32> = points.iter().copied().zip(0..).collect();
+        let own = |t: &[u32; 3]| Some([*number.get(&t[0])?, *number.get(&t[1])?, *number.get(&t[2])?]);
+        let triangles: Vec<[u32; 3]> = self.triangles.iter().filter_map(own).collect();
+        let mut borders = borders(&triangles);
+        for border in &mut borders {
+            border.vertices.iter_mut().for_each(|vertex| *vertex = points[*vertex as usize]);
+            border.branch = border.branch.map(|vertex| points[vertex as usize]);
+        }
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &point in &points {
+            let p = self.at(point);
+            (min, max) = (min.min(p), max.max(p));
+        }
+        let size = if points.is_empty() { 0.0 } else { (max - min).length() as f32 };
+        Piece { points, triangles, borders, size }
+    }
+
+    pub(crate) fn at(&self, point: u32) -> DVec3 {
+        self.positions.get(point as usize).map_or(DVec3::ZERO, |p| wide(*p))
+    }
+}
+
+impl Piece {
+    /// What the piece leads to within `radius` of some of its points in a row; all of it where it has no faces.
+    pub(crate) fn near(&self, surfaces: &Surfaces<'_>, path: &[u32], radius: f32) -> Near {
+        let positions: Vec<[f32; 3]> =
+            self.points.iter().map(|&point| surfaces.positions[point as usize]).collect();
+        let Ok(terrain) = Terrain::new(&positions, &self.triangles) else {
+            return Near { vertices: self.points.clone(), factors: Vec::new() };
+        };
+        let local = |point: &u32| self.points.binary_search(point).ok().map(|local| local as u32);
+        let line: Vec<_> = path.iter().filter_map(local).filter_map(|v| terrain.at_vertex(v)).collect();
+        let mut near = terrain.near(&line, f64::from(radius), &mut NearBuffer::default());
+        near.vertices.iter_mut().for_each(|vertex| *vertex = self.points[*vertex as usize]);
+        near
+    }
+
+    /// The triangles of the piece at each of some of its points.
+    pub(crate) fn fans(&self, path: &[u32]) -> Vec<Vec<[u32; 3]>> {
+        let places: BTreeMap<u32, usize> = path.iter().copied().zip(0..).collect();
+        let mut fans = vec![Vec::new(); path.len()];
+        for triangle in &self.triangles {
+            let triangle = triangle.map(|v| self.points[v as usize]);
+            for vertex in triangle {
+                if let Some(&place) = places.get(&vertex) {
+                    fans[place].push(triangle);
+                }
+            }
+        }
+        fans
+    }
+}
+
+pub(crate) fn wide(p: [f32; 3]) -> DVec3 {
+    DVec3::from(p.map(f64::from))
+}

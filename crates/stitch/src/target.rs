@@ -1,0 +1,168 @@
+//! Where the vertices of edges are to come at a moment: on the common seam, or as far open as tears have it.
+//!
+//! Of one seam with `a(t)` and `b(t)` the edges by the common parameter, the seam is `S(t) = (1 − bias)·a(t) + bias·b(t)`. Where ends of
+//! seams meet they are drawn to their mean `C`, and each seam follows linearly: `S(t) + (1 − t)(C₀ − S(0)) + t(C₁ − S(1))`. A
+//! seam of closure `c` counts `c` times in that mean, so that one that is apart is as none.
+
+use glam::DVec3;
+
+use crate::corner::{Corner, End};
+use crate::settings::Seam;
+use crate::side::Side;
+use crate::tear::{Gap, TearNow, gap};
+
+/// A seam that is torn off at its end counts so little beside those that hold there.
+const TORN: f64 = 1e-6;
+
+/// The settings of a seam at a moment.
+#[derive(Clone, Debug)]
+pub(crate) struct Moment {
+    pub(crate) closure: f64,
+    pub(crate) bias: f64,
+    pub(crate) tears: Vec<TearNow>,
+}
+
+impl Moment {
+    pub(crate) fn of(seam: &Seam, seconds: f64) -> Self {
+        Self {
+            closure: f64::from(seam.closure.at(seconds)),
+            bias: f64::from(seam.bias.at(seconds)),
+            tears: seam.tears.iter().map(|tear| TearNow::of(tear, seconds)).collect(),
+        }
+    }
+}
+
+/// One edge at a moment, vertex by vertex.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Target {
+    /// Where the seam lies.
+    pub(crate) seam: Vec<DVec3>,
+    /// How far it is open.
+    pub(crate) gaps: Vec<Gap>,
+    /// Where the vertex is to come once the seam is closed.
+    pub(crate) goal: Vec<DVec3>,
+}
+
+/// Edges of seams by index.
+pub(crate) type Sides = [Side; 2];
+/// Their targets.
+pub(crate) type Targets = [Target; 2];
+
+/// `S` by itself at the vertices of both edges.
+pub(crate) fn seams_alone(seams: &[Sides], moments: &[Moment]) -> Vec<Targets> {
+    let of = |(sides, moment): (&Sides, &Moment)| {
+        [0, 1].map(|own| {
+            let (side, other) = (&sides[own], &sides[1 - own]);
+            let share = share(own, moment.bias);
+            let across = other.points_at(&side.other);
+            let seam = side.own.iter().zip(across).map(|(p, q)| *p * (1.0 - share) + q * share).collect();
+            let closed = side.track.path.closed;
+            let gaps = side.track.t.iter().map(|&t| gap(&moment.tears, t, closed)).collect();
+            Target { seam, gaps, goal: Vec::new() }
+        })
+    };
+    seams.iter().zip(moments).map(of).collect()
+}
+
+/// How far an edge goes towards the other one.
+pub(crate) fn share(side: usize, bias: f64) -> f64 {
+    if side == 0 { bias } else { 1.0 - bias }
+}
+
+/// Draws the ends of seams to their corners.
+pub(crate) fn meet(seams: &[Sides], moments: &[Moment], corners: &[Corner], targets: &mut [Targets]) {
+    let mut shifts = vec![[DVec3::ZERO; 2]; seams.len()];
+    let mut points: Vec<[Option<DVec3>; 2]> = vec![[None; 2]; seams.len()];
+    for corner in corners {
+        let total: f64 = corner.iter().map(|end| moments[end.seam].closure).sum();
+        if corner.len() < 2 || total <= 0.0 {
+            continue;
+        }
+        let own = |end: &End| end_of(&targets[end.seam][0].seam, *end);
+        let sum: DVec3 = corner.iter().map(|end| own(end) * moments[end.seam].closure).sum();
+        for end in corner {
+            shifts[end.seam][end.index()] = sum / total - own(end);
+            points[end.seam][end.index()] = Some(sum / total);
+        }
+    }
+    for (((sides, target), [first, last]), points) in seams.iter().zip(targets).zip(shifts).zip(points) {
+        if sides[0].track.path.closed {
+            continue;
+        }
+        for (side, target) in sides.iter().zip(target) {
+            for (p, &t) in target.seam.iter_mut().zip(&side.track.t) {
+                *p += first * (1.0 - t) + last * t;
+            }
+            // Rounding is to part no corner.
+            for (end, point) in points.into_iter().enumerate() {
+                let place = if end == 0 { target.seam.first_mut() } else { target.seam.last_mut() };
+                if let (Some(place), Some(point)) = (place, point) {
+                    *place = point;
+                }
+            }
+        }
+    }
+}
+
+/// The first or last of a list.
+pub(crate) fn end_of<T: Copy + Default>(list: &[T], end: End) -> T {
+    let found = if end.last { list.last() } else { list.first() };
+    found.copied().unwrap_or_default()
+}
+
+/// Opens the seams where they are torn.
+pub(crate) fn tear(seams: &[Sides], targets: &mut [Targets]) {
+    for (side, target) in seams.iter().flatten().zip(targets.iter_mut().flatten()) {
+        let open = |(((seam, gap), own), frame): (((&DVec3, &Gap), &DVec3), &crate::side::Frame)| {
+            // Where nothing is torn, just the seam.
+            if *gap == Gap::default() { *seam } else { seam.lerp(*own, gap.open) + frame.inward * gap.gape }
+        };
+        let all = target.seam.iter().zip(&target.gaps).zip(&side.own).zip(&side.frames);
+        target.goal = all.map(open).collect();
+    }
+}
+
+/// Where a seam is torn at its end and others hold the corner, the tear's edges come to the corner, and fade to their own way as the
+/// tear does.
+pub(crate) fn hold(seams: &[Sides], moments: &[Moment], corners: &[Corner], targets: &mut [Targets]) {
+    for corner in corners {
+        let edges = || corner.iter().flat_map(|&end| [(end, 0), (end, 1)]);
+        let torn = edges().any(|(end, side)| end_of(&targets[end.seam][side].gaps, end).open > 0.0);
+        if !torn || corner.len() < 2 {
+            continue;
+        }
+        let vertex = |(end, side): (End, usize)| end_of(&seams[end.seam][side].track.path.vertices, end);
+        let mut held: Vec<((End, usize), DVec3)> = Vec::new();
+        for edge in edges() {
+            let beside = || edges().filter(|other| vertex(*other) == vertex(edge));
+            let weight = |(end, side): (End, usize)| {
+                let gap = end_of(&targets[end.seam][side].gaps, end);
+                moments[end.seam].closure * (1.0 - gap.open + TORN)
+            };
+            let total: f64 = beside().map(weight).sum();
+            let goal = |(end, side): (End, usize)| end_of(&targets[end.seam][side].goal, end);
+            if total > 0.0 {
+                let mean = beside().map(|other| goal(other) * weight(other)).sum::<DVec3>() / total;
+                held.push((edge, mean - goal(edge)));
+            }
+        }
+        for ((end, side), shift) in held {
+            let target = &mut targets[end.seam][side];
+            let most = end_of(&target.gaps, end).open;
+            if most > 0.0 {
+                fade_in(target, end.last, shift, most);
+            }
+        }
+    }
+}
+
+/// Shifts the goals of the tear that an end lies in.
+fn fade_in(target: &mut Target, last: bool, shift: DVec3, most: f64) {
+    let mut all: Vec<(&mut DVec3, &Gap)> = target.goal.iter_mut().zip(&target.gaps).collect();
+    if last {
+        all.reverse();
+    }
+    for (goal, gap) in all.into_iter().take_while(|(_, gap)| gap.open > 0.0) {
+        *goal += shift * (gap.open / most);
+    }
+}
