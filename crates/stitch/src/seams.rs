@@ -56,8 +56,9 @@ pub fn seams(surfaces: &Surfaces<'_>, settings: &Stitch) -> Result<Seams, Stitch
         let side = |side: SeamSide, own: &Track, other: &Track| {
             let piece = pieces.get(seam.edge(side).piece).and_then(Option::as_ref);
             let fans = piece.map_or_else(Vec::new, |piece| piece.fans(&own.path.vertices));
-            let near =
-                piece.map(|piece| piece.near(surfaces, &own.path.vertices, radius)).unwrap_or_default();
+            let beside = (seam.a.piece == seam.b.piece).then_some(&other.path.vertices[..]);
+            let near = |piece: &Piece| piece.near(surfaces, &own.path.vertices, beside, radius);
+            let near = piece.map(near).unwrap_or_default();
             let fault = |_| StitchError::Edge { seam: index, side, fault: EdgeFault::NoLength };
             Ok((Side::new(own.clone(), other, fans, surfaces.positions).map_err(fault)?, near))
         };

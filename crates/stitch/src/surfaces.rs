@@ -3,9 +3,12 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use wirework_surface::{Near, NearBuffer, Terrain};
+use wirework_surface::{Near, NearBuffer, Step, Terrain};
 
 use crate::border::{Border, borders};
+
+/// Ways over the surface are compared up to so many radii, as far as an edge may act.
+const REACH: f64 = 2.2;
 
 /// Pieces as points and triangles. Points of two pieces may lie in one place and are two all the same.
 #[derive(Clone, Copy, Debug)]
@@ -63,16 +66,31 @@ impl Surfaces<'_> {
 }
 
 impl Piece {
-    /// What the piece leads to within `radius` of some of its points in a row; all of it where it has no faces.
-    pub(crate) fn near(&self, surfaces: &Surfaces<'_>, path: &[u32], radius: f32) -> Near {
+    /// What the piece leads to within `radius` of some of its points in a row; all of it where it has no faces. With another such row it is
+    /// shared between the two: where a slit is shut, the cloth on either side is to follow its own edge.
+    pub(crate) fn near(
+        &self,
+        surfaces: &Surfaces<'_>,
+        path: &[u32],
+        beside: Option<&[u32]>,
+        radius: f32,
+    ) -> Near {
         let positions: Vec<[f32; 3]> =
             self.points.iter().map(|&point| surfaces.positions[point as usize]).collect();
-        let Ok(terrain) = Terrain::new(&positions, &self.triangles) else {
+        let Ok(terrain) = Terrain::unwelded(&positions, &self.triangles) else {
             return Near { vertices: self.points.clone(), factors: Vec::new() };
         };
         let local = |point: &u32| self.points.binary_search(point).ok().map(|local| local as u32);
-        let line: Vec<_> = path.iter().filter_map(local).filter_map(|v| terrain.at_vertex(v)).collect();
-        let mut near = terrain.near(&line, f64::from(radius), &mut NearBuffer::default());
+        let line = |path: &[u32]| -> Vec<Step> {
+            path.iter().filter_map(local).filter_map(|v| terrain.at_vertex(v)).collect()
+        };
+        let (radius, mut buffer) = (f64::from(radius), NearBuffer::default());
+        let mut near = terrain.near(&line(path), radius, &mut buffer);
+        if let Some(beside) = beside {
+            let [own, other] =
+                [path, beside].map(|path| terrain.ways(&line(path), REACH * radius, &mut buffer));
+            share(&mut near, &own, &other);
+        }
         near.vertices.iter_mut().for_each(|vertex| *vertex = self.points[*vertex as usize]);
         near
     }
@@ -90,6 +108,25 @@ impl Piece {
             }
         }
         fans
+    }
+}
+
+/// Lowers the factors of vertices that are nearer to another line, by ways over the surface.
+fn share(near: &mut Near, own: &[(u32, f64)], other: &[(u32, f64)]) {
+    near.factors.resize(near.vertices.len(), 1.0);
+    let way = |ways: &[(u32, f64)], vertex: u32| {
+        let found = ways.binary_search_by_key(&vertex, |(vertex, _)| *vertex);
+        found.map_or(f64::INFINITY, |at| ways[at].1)
+    };
+    for (factor, &vertex) in near.factors.iter_mut().zip(&near.vertices) {
+        let (own, other) = (way(own, vertex), way(other, vertex));
+        // 0 half-way or nearer to the own line, 1 where the other is three times as near.
+        let x = match (own.is_finite(), other.is_finite()) {
+            (true, true) if own > other => (2.0 * (own - other) / (own + other)).min(1.0),
+            (false, true) => 1.0,
+            _ => 0.0,
+        };
+        *factor *= (1.0 - x * x * (3.0 - 2.0 * x)) as f32;
     }
 }
 

@@ -245,9 +245,9 @@ fn loops_find_their_direction_and_their_start() {
     }
 }
 
-#[test]
-fn a_slit_closes_from_both_sides() {
-    // A grid with a slit along x from −0.5 to 0.5, open by 0.1 in the middle.
+/// A grid with a slit along x from −0.5 to 0.5, open by `open` in the middle: the cloth, the vertices on the one side, and the first on
+/// the other.
+fn slit(open: f32) -> (Cloth, Vec<usize>, usize) {
     let mesh = grid([2.0, 2.0], [20, 20], [0.0, 1.0, 0.0]).unwrap();
     let mut cloth = Cloth::default();
     cloth.add(&mesh);
@@ -264,26 +264,50 @@ fn a_slit_closes_from_both_sides() {
     }
     for &v in &slit {
         let p = mesh.positions[v];
-        let open = 0.1 * (1.0 - (p[0] / 0.5).powi(2));
+        let open = open * (1.0 - (p[0] / 0.5).powi(2));
         cloth.points[v] = [p[0], 0.0, -open];
         cloth.points.push([p[0], 0.0, open]);
         cloth.piece_of.push(0);
     }
+    (cloth, slit, count as usize)
+}
+
+fn along_slit() -> Seam {
     let run = |long| Run::Between { from: [-0.5, 0.0, 0.0], to: [0.5, 0.0, 0.0], long };
-    let seam = Seam::new(Edge { piece: 0, run: run(false) }, Edge { piece: 0, run: run(true) });
-    let out = sewn(&cloth, &stitch(vec![Seam { reversed: Reversed::Auto, ..seam }]));
+    Seam::new(Edge { piece: 0, run: run(false) }, Edge { piece: 0, run: run(true) })
+}
+
+#[test]
+fn a_slit_closes_from_both_sides() {
+    let (cloth, slit, first) = slit(0.1);
+    let out = sewn(&cloth, &stitch(vec![Seam { reversed: Reversed::Auto, ..along_slit() }]));
     for (k, &v) in slit.iter().enumerate() {
-        let other = out[count as usize + k];
+        let other = out[first + k];
         assert_eq!(out[v], other);
         assert!(other[2].abs() < 1e-6);
     }
     // The cloth beside it follows its own side.
-    let beside = |p: &[f32; 3], z: f32| (p[2] - z).abs() < 1e-6 && p[0].abs() < 1e-6;
     for (sign, z) in [(1.0, -0.1), (-1.0, 0.1)] {
-        let v = mesh.positions.iter().position(|p| beside(p, z)).unwrap();
+        let v = cloth.points.iter().position(|p| p[0].abs() < 1e-6 && (p[2] - z).abs() < 1e-6).unwrap();
         let moved = (out[v][2] - cloth.points[v][2]) * sign;
         assert!(moved > 0.03, "{moved} at {z}");
     }
+}
+
+#[test]
+fn a_slit_that_is_shut_gapes_with_the_cloth_on_its_sides() {
+    let (cloth, ..) = slit(0.0);
+    let tear = Tear { gape: Keyed::Constant(0.05), ..Tear::new(0.5, 1.0) };
+    let out = sewn(&cloth, &stitch(vec![Seam { tears: vec![tear], ..along_slit() }]));
+    let rows =
+        |z: f32| cloth.points.iter().position(|p| p[0].abs() < 1e-6 && (p[2] - z).abs() < 1e-6).unwrap();
+    for z in [-0.2_f32, -0.1, 0.1, 0.2] {
+        let moved = (out[rows(z)][2] - z) * z.signum();
+        assert!(moved > 0.02, "{moved} at {z}");
+    }
+    // Beyond its ends both sides are one cloth, and stay.
+    let beyond = cloth.points.iter().position(|p| (p[0] - 0.6).abs() < 1e-6 && p[2].abs() < 1e-6).unwrap();
+    assert!(wide(out[beyond]).distance(wide(cloth.points[beyond])) < 2e-3);
 }
 
 #[test]

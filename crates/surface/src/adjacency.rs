@@ -31,17 +31,22 @@ pub(crate) struct Adjacency {
 impl Adjacency {
     /// Of triangles whose indices are in range.
     pub(crate) fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
-        let place_of = places(positions);
+        Self::of_places(places(positions), triangles)
+    }
+
+    /// The same where vertices and places are told.
+    pub(crate) fn of_places(place_of: Vec<u32>, triangles: &[[u32; 3]]) -> Self {
+        let count = place_of.len();
         let triangles: Vec<[u32; 3]> =
             triangles.iter().map(|triangle| triangle.map(|v| place_of[v as usize])).collect();
-        let (starts, fans) = fans(positions.len(), &triangles);
+        let (starts, fans) = fans(count, &triangles);
         let second = |(&place, vertex): (&u32, u32)| (place != vertex).then_some((place, vertex));
         let mut split: Vec<(u32, u32)> = place_of.iter().zip(0..).filter_map(second).collect();
         split.sort_unstable();
         let across = vec![[BORDER; 3]; triangles.len()];
         let (beside_starts, beside) = (vec![0], Vec::with_capacity(fans.len() + fans.len() / 8));
         let mut adjacency = Self { place_of, triangles, across, starts, fans, beside_starts, beside, split };
-        for place in 0..positions.len() as u32 {
+        for place in 0..count as u32 {
             adjacency.add_beside(place);
         }
         for triangle in 0..adjacency.triangles.len() {

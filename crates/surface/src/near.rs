@@ -78,6 +78,22 @@ impl Terrain {
         self.vertices(&places, &over, &mut buffer.bits)
     }
 
+    /// The vertices that ways of at most `reach` over the surface lead to from a line through points of it, rising, and how long
+    /// the shortest is: within a few percent.
+    pub fn ways(&self, line: &[Step], reach: f64, buffer: &mut NearBuffer) -> Vec<(u32, f64)> {
+        let mut search = Search { terrain: self, line: Line::new(self, line), radius: reach / GONE, buffer };
+        search.march();
+        let mut out = Vec::new();
+        for place in std::mem::take(&mut buffer.marched) {
+            let (over, _) = std::mem::replace(&mut buffer.over[place as usize], (f64::INFINITY, false));
+            if over <= reach {
+                out.extend(self.at_place(place).map(|vertex| (vertex, over)));
+            }
+        }
+        out.sort_unstable_by_key(|(vertex, _)| *vertex);
+        out
+    }
+
     /// All vertices at places, with the factors of these, rising.
     fn vertices(&self, places: &[u32], factors: &[f32], bits: &mut [u64]) -> Near {
         let split = |&place: &u32| self.adjacency.split(place).iter().map(|(_, vertex)| *vertex);

@@ -39,12 +39,28 @@ impl Terrain {
     /// There are no triangles, or one refers to a vertex that is missing or not finite.
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, NearestError> {
         crate::nearest::check(positions, triangles)?;
+        Ok(Self::on(Adjacency::new(positions, triangles), positions, triangles))
+    }
+
+    /// The same where vertices at equal positions are several all the same, as on the two sides of a slit that is shut: no way leads
+    /// from one to the other.
+    ///
+    /// # Errors
+    ///
+    /// As [`Terrain::new`].
+    pub fn unwelded(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, NearestError> {
+        crate::nearest::check(positions, triangles)?;
+        let places = (0..positions.len() as u32).collect();
+        Ok(Self::on(Adjacency::of_places(places, triangles), positions, triangles))
+    }
+
+    fn on(adjacency: Adjacency, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
         let normals = smooth_normals(positions, triangles);
-        Ok(Self {
-            adjacency: Adjacency::new(positions, triangles),
+        Self {
+            adjacency,
             positions: positions.iter().copied().map(wide).collect(),
             normals: normals.into_iter().map(wide).collect(),
-        })
+        }
     }
 
     /// How many vertices there are.
