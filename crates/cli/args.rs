@@ -214,7 +214,7 @@ pub(crate) struct Check {
 
 #[derive(Debug, Args)]
 pub(crate) struct New {
-    /// `deform` or `wrinkle`; `stitch` and `ik` are not available in this version
+    /// `deform`, `wrinkle` or `stitch`; `ik` is not available in this version
     pub(crate) effect: String,
 }
 

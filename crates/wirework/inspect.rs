@@ -149,6 +149,8 @@ fn of_effect(effect: &Effect) -> EffectFacts {
     let (name, wires, lattice) = match &effect.action {
         Action::Deform(deform) => ("Deform", deform.wires.len(), deform.lattice.map(|lattice| lattice.cells)),
         Action::Wrinkle(wrinkle) => ("Wrinkle", wrinkle.crease_count(), None),
+        // Has no wires yet.
+        Action::Stitch(_) => ("Stitch", 0, None),
     };
     let mask = |mask: &Mask| match mask {
         Mask::VertexColor { channel, .. } => format!("VertexColor({channel:?})"),

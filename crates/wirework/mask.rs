@@ -132,7 +132,7 @@ type Own<'a> = (Option<&'a Only>, Option<&'a Mask>);
 fn wires_own(effect: &Effect) -> impl Iterator<Item = Own<'_>> {
     let wires = match &effect.action {
         Action::Deform(deform) => deform.wires.as_slice(),
-        Action::Wrinkle(_) => &[],
+        Action::Wrinkle(_) | Action::Stitch(_) => &[],
     };
     wires.iter().map(|wire| (wire.only(), wire.mask()))
 }

@@ -51,6 +51,8 @@ impl Stage {
         let (blend, lattice) = match &action {
             Action::Deform(deform) => (deform.blend, deform.lattice),
             Action::Wrinkle(wrinkle) => (wrinkle.blend, None),
+            // Has no wires yet.
+            Action::Stitch(_) => (Blend::default(), None),
         };
         let ffd = |lattice: Lattice| Ffd { lattice, binding: None, controls: Vec::new() };
         Self {
@@ -202,6 +204,8 @@ impl Stage {
                     creases.wires_at(seconds, &mut self.wires);
                 }
             }
+            // Has no wires yet.
+            Action::Stitch(_) => {}
         }
     }
 

@@ -1,11 +1,13 @@
 //! `units: Bounds`: positions in parts of the object's largest side, about its centre.
 
 use wirework_core::{Curve, Keyed, Lattice};
+use wirework_stitch::{Edge, Run, Seam, Stitch, Tear};
 use wirework_wrinkle::{Curtain, Drawn, Layout, Motion, Pattern, Rail, Strain, Wrinkle};
 
 use crate::deform::Deform;
 use crate::preset::{Action, Effect};
 use crate::scope::Units;
+use crate::stitch::Stitching;
 
 /// Where the units of [`Units::Bounds`] lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +38,10 @@ impl Effect {
                 }),
             }),
             Action::Wrinkle(wrinkle) => Action::Wrinkle(Box::new(frame.wrinkle(wrinkle))),
+            Action::Stitch(stitching) => Action::Stitch(Box::new(Stitching {
+                pieces: stitching.pieces.clone(),
+                stitch: frame.stitch(&stitching.stitch),
+            })),
         };
         Self {
             action,
@@ -121,6 +127,28 @@ impl BoundsFrame {
             wind: curtain.wind.map(|wind| self.vector(*wind)),
             ..curtain.clone()
         }
+    }
+
+    fn stitch(&self, stitch: &Stitch) -> Stitch {
+        let edge = |edge: &Edge| {
+            let run = match edge.run {
+                Run::Side(side) => Run::Side(side),
+                Run::Between { from, to, long } => {
+                    Run::Between { from: self.point(from), to: self.point(to), long }
+                }
+                Run::Loop(at) => Run::Loop(self.point(at)),
+            };
+            Edge { piece: edge.piece, run }
+        };
+        let tear = |tear: &Tear| Tear { gape: self.lengths(&tear.gape), ..tear.clone() };
+        let seam = |seam: &Seam| Seam {
+            a: edge(&seam.a),
+            b: edge(&seam.b),
+            radius: self.lengths(&seam.radius),
+            tears: seam.tears.iter().map(tear).collect(),
+            ..seam.clone()
+        };
+        Stitch { seams: stitch.seams.iter().map(seam).collect(), order: stitch.order }
     }
 
     fn layout(&self, layout: &Layout) -> Layout {

@@ -5,7 +5,7 @@ use crate::read::Reader;
 use crate::tree::Node;
 
 /// Effects of later versions.
-pub(crate) const EFFECTS: &[&str] = &["Stitch", "Ik"];
+pub(crate) const EFFECTS: &[&str] = &["Ik"];
 
 /// Refuses a name of a later version.
 pub(crate) fn refuse(reader: &mut Reader<'_>, node: &Node, name: &str) {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 use wirework_surface::{Mesh, Patch, PatchError, PrimitiveError, Transform, TransformError};
 
-pub(crate) use self::read::object;
+pub(crate) use self::read::{object, within_limit};
 
 /// What a preset is shown on where the command line names no input.
 #[derive(Clone, Debug, PartialEq)]

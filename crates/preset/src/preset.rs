@@ -10,6 +10,7 @@ use crate::limits::Limits;
 use crate::object::{Object, object};
 use crate::read::{Fields, Reader, Within, found};
 use crate::scope::{Mask, Only, Units, scope, units};
+use crate::stitch::{Stitching, stitch};
 use crate::tree::{Body, Node};
 use crate::wrinkle::wrinkle;
 
@@ -59,6 +60,8 @@ pub enum Action {
     Deform(Deform),
     /// Wires along the creases of a wrinkle pattern.
     Wrinkle(Box<Wrinkle>),
+    /// Seams between pieces.
+    Stitch(Box<Stitching>),
 }
 
 /// A preset and what is odd about it.
@@ -173,7 +176,7 @@ struct Scene {
     driven: bool,
 }
 
-const EFFECTS: [&str; 3] = ["Deform", "Wrinkle", "Stack"];
+const EFFECTS: [&str; 4] = ["Deform", "Wrinkle", "Stitch", "Stack"];
 
 /// Reads an effect, or the effects of a stack, and appends them to `out`.
 fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec<Effect>) -> Option<()> {
@@ -184,6 +187,7 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
         "Stack" => return stack(reader, node, scene, out),
         "Deform" => "Deform",
         "Wrinkle" => "Wrinkle",
+        "Stitch" => "Stitch",
         other if later::EFFECTS.contains(&other) => {
             later::refuse(reader, node, other);
             return None;
@@ -195,13 +199,15 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
     };
     let mut fields = reader.unnamed_fields(node, owner)?;
     let mut clock = Clock::default();
-    common(reader, &mut fields, scene);
+    let first = common(reader, &mut fields, scene);
     let (only, mask) = scope(reader, &mut fields);
     let units = units(reader, &mut fields);
-    let action = if owner == "Deform" {
-        deform(reader, &mut fields, &mut clock).map(Action::Deform)
-    } else {
-        wrinkle(reader, &mut fields, &mut clock).map(|wrinkle| Action::Wrinkle(Box::new(wrinkle)))
+    let action = match owner {
+        "Deform" => deform(reader, &mut fields, &mut clock).map(Action::Deform),
+        "Wrinkle" => {
+            wrinkle(reader, &mut fields, &mut clock).map(|wrinkle| Action::Wrinkle(Box::new(wrinkle)))
+        }
+        _ => stitch(reader, &mut fields, &mut clock, first).map(|stitch| Action::Stitch(Box::new(stitch))),
     };
     let mut refine = false;
     if owner == "Wrinkle" {
@@ -228,8 +234,12 @@ fn stack(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec<
     reader.each(items, |reader, item| effect(reader, item, scene, out)).map(drop)
 }
 
-/// The fields that every effect begins with.
-fn common(reader: &mut Reader<'_>, fields: &mut Fields<'_>, scene: &mut Scene) {
+/// Why an effect names no object.
+pub(crate) const TAKEN_OVER: &str =
+    "only the first effect of a stack names the object; the others take over its result";
+
+/// The fields that every effect begins with. Returns whether it is the first.
+fn common(reader: &mut Reader<'_>, fields: &mut Fields<'_>, scene: &mut Scene) -> bool {
     // Newer versions were refused before.
     reader.field(fields, "version", FORMAT_VERSION, |reader, node| reader.count(node, 1));
     let span = fields.again("object").map(|node| node.span.clone());
@@ -237,12 +247,11 @@ fn common(reader: &mut Reader<'_>, fields: &mut Fields<'_>, scene: &mut Scene) {
     let first = !std::mem::replace(&mut scene.begun, true);
     match span {
         Some(span) if !first => {
-            let message =
-                "only the first effect of a stack names the object; the others take over its result";
-            reader.within("object", |reader| reader.error(PresetErrorKind::Value, &span, message, None));
+            reader.within("object", |reader| reader.error(PresetErrorKind::Value, &span, TAKEN_OVER, None));
         }
         _ => scene.object = object.or(scene.object.take()),
     }
+    first
 }
 
 fn duration(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &Clock, scene: &mut Scene) {

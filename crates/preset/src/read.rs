@@ -60,6 +60,13 @@ impl<'n> Fields<'n> {
     pub(crate) fn again(&self, key: &str) -> Option<&'n Node> {
         self.entries.iter().find(|entry| entry.key.text == key).map(|entry| &entry.value)
     }
+
+    /// Whether another name may be meant to be `key`: that is reported once, as unknown.
+    pub(crate) fn misspelt(&self, key: &str) -> bool {
+        self.entries.iter().any(|entry| {
+            !self.known.contains(&entry.key.text.as_str()) && nearest(&entry.key.text, [key]).is_some()
+        })
+    }
 }
 
 impl<'s> Reader<'s> {
@@ -184,6 +191,29 @@ impl<'s> Reader<'s> {
         self.error(PresetErrorKind::Name, &name.span, message, help);
     }
 
+    /// Notes that no `what` has the name `name`, among those with the names `known`.
+    pub(crate) fn unknown_text<'a>(
+        &mut self,
+        name: &str,
+        span: &Range<usize>,
+        what: &str,
+        known: impl Iterator<Item = &'a str>,
+    ) {
+        if self.errors.len() < MOST_NOTED {
+            let known: Vec<&str> = known.collect();
+            self.errors.push(self.named(name, span).unknown(what, &known));
+        }
+    }
+
+    /// Notes that a struct lacks something, at its name where it has one.
+    pub(crate) fn lacks(&mut self, fields: &Fields<'_>, message: impl Into<String>) {
+        let start = fields.span.start;
+        let head = start..(start + fields.owner.len()).min(fields.span.end);
+        let named = self.source.get(head.clone()) == Some(fields.owner);
+        let span = if named { head } else { start..start + 1 };
+        self.error(PresetErrorKind::Name, &span, message, None);
+    }
+
     /// Opens `Owner(field: value, ..)`; the name may be left out.
     pub(crate) fn fields<'n>(&mut self, node: &'n Node, owner: &'static str) -> Option<Fields<'n>> {
         if let Some(name) = node.name.as_ref().filter(|name| name.text != owner) {
@@ -239,14 +269,8 @@ impl<'s> Reader<'s> {
         if let Some(node) = fields.get(key) {
             return self.within(key, |reader| read(reader, node));
         }
-        // A misspelt field is reported once, as unknown.
-        let misspelt = fields.entries.iter().any(|entry| nearest(&entry.key.text, [key]).is_some());
-        if !misspelt {
-            let owner = fields.owner;
-            let start = fields.span.start;
-            let head = start..(start + owner.len()).min(fields.span.end);
-            let span = if self.source.get(head.clone()) == Some(owner) { head } else { start..start + 1 };
-            self.error(PresetErrorKind::Name, &span, format!("`{owner}` needs a field `{key}`"), None);
+        if !fields.misspelt(key) {
+            self.lacks(fields, format!("`{}` needs a field `{key}`", fields.owner));
         }
         None
     }

@@ -6,7 +6,7 @@ use crate::error::{escape, nearest, one_of};
 use crate::later;
 
 /// The effects that have a template.
-pub const TEMPLATES: [&str; 2] = ["deform", "wrinkle"];
+pub const TEMPLATES: [&str; 3] = ["deform", "wrinkle", "stitch"];
 
 /// Why there is no template.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -35,6 +35,7 @@ pub fn template(effect: &str) -> Result<&'static str, TemplateError> {
     match name.as_str() {
         "deform" => Ok(include_str!("template/deform.ron")),
         "wrinkle" => Ok(include_str!("template/wrinkle.ron")),
+        "stitch" => Ok(include_str!("template/stitch.ron")),
         _ if later::EFFECTS.iter().any(|later| later.eq_ignore_ascii_case(&name)) => {
             Err(TemplateError::Later { effect: name })
         }

@@ -220,7 +220,7 @@ fn unknown_names_get_the_nearest_valid_one() {
 #[test]
 fn what_comes_later_is_refused_by_name() {
     let message = "is not available in this version";
-    for text in ["«Stitch»(patches: [])", "«Ik»(chain: 1)", "Stack([«Ik»()])"] {
+    for text in ["«Ik»(chain: 1)", "Stack([«Ik»()])"] {
         check(text, PresetErrorKind::Unavailable, message, None);
     }
 }

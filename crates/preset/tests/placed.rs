@@ -15,7 +15,7 @@ fn effect(text: &str) -> Effect {
 fn wires(effect: &Effect, seconds: f64) -> Vec<Wire> {
     match &effect.action {
         Action::Deform(deform) => deform.wires.iter().map(|wire| wire.at(seconds)).collect(),
-        Action::Wrinkle(_) => panic!(),
+        Action::Wrinkle(_) | Action::Stitch(_) => panic!(),
     }
 }
 
@@ -77,6 +77,21 @@ impl Hand {
             self.points(&n.points[1]),
         )
     }
+
+    /// Fractions and objects stay.
+    fn stitch(&self, n: &Numbers) -> String {
+        let [r, s, t, w] = n.lengths.map(|length| self.l(length));
+        let [from, to, around] = n.points[0].map(|point| self.p(point));
+        format!(
+            "Stitch(units: {}, patches: [Piece(name: \"a\", object: Grid(size: (3, 3))), \"b\"], seams: [
+                Seam(a: Edge(piece: \"a\", side: UMax), b: Edge(piece: \"b\", from: {from}, to: {to}, long: true),
+                    radius: Keys([(0, {r:?}), (1, {s:?})]), scale: 3, bias: 0.25, closure: Ease([(0, 0), (1, 0.75)]), tears: [
+                        Tear(at: 0.25, width: 0.5, opening: 0.75, gape: Keys([(0, {t:?}), (1, -{w:?})]), plateau: 0.125)]),
+                Seam(a: Edge(piece: \"a\", loop: {around}), b: Edge(piece: \"b\", side: VMin), radius: {w:?})],
+                order: Sequential)",
+            self.units(),
+        )
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -104,7 +119,7 @@ proptest! {
 
     #[test]
     fn placing_is_scaling_by_hand(n in numbers(), frame in frame()) {
-        for write in [Hand::deform, Hand::wrinkle] {
+        for write in [Hand::deform, Hand::wrinkle, Hand::stitch] {
             let (typed, by_hand) = (write(&Hand(None), &n), write(&Hand(Some(frame)), &n));
             // A reference or a domain curve may by chance be bad.
             let (Ok(typed), Ok(by_hand)) =

@@ -28,7 +28,14 @@ fn source() -> impl Strategy<Value = Vec<u8>> {
 const TOKENS: &[&str] = &[
     "Deform",
     "Wrinkle",
+    "Stitch",
     "Stack",
+    "Piece",
+    "Seam",
+    "Edge",
+    "Tear",
+    "UMax",
+    "Auto",
     "Wire",
     "Keys",
     "Ease",
@@ -92,6 +99,13 @@ const TOKENS: &[&str] = &[
     "reference:",
     "direction:",
     "moves:",
+    "patches:",
+    "seams:",
+    "piece:",
+    "side:",
+    "from:",
+    "loop:",
+    "tears:",
     "lines:",
     "only:",
     "version:",
@@ -148,6 +162,7 @@ proptest! {
         let text: String = tokens.into_iter().map(|i| TOKENS[i]).collect();
         read(text.as_bytes());
         read(format!("Deform(wires: [Wire(curve: Polyline(points: [(0, 0, 0)]), pose: {text})])").as_bytes());
+        read(format!("Stitch(patches: [{text}], seams: [Seam(a: Edge(piece: \"a\", {text}), b: {text}, tears: [{text}])])").as_bytes());
     }
 
     #[test]
@@ -211,6 +226,15 @@ fn much_of_anything_takes_a_moment_only() {
         ("Deform(wires: [", "Wire(curve: Polyline([(0, 0, 0)]), group: \"#\"),", "])"),
         ("Deform(wires: [Wire(curve: Polyline([(0, 0, 0)]), locators: [", "Locator(u: 0),", "])])"),
         ("Deform(wires: [Wire(curve: Polyline([", "(0, true, 0),", "]))])"),
+        ("Stitch(patches: [", "\"#\",", "], seams: [])"),
+        ("Stitch(patches: [", "\"a\",", "], seams: [])"),
+        ("Stitch(patches: [\"abc\"], seams: [", "Seam(a: Edge(piece: \"b#\", loop: (0, 0, 0))),", "])"),
+        (
+            "Stitch(seams: [",
+            "Seam(a: Edge(piece: \"#\", side: UMin), b: Edge(piece: \"b#\", side: UMin)),",
+            "])",
+        ),
+        ("Stitch(seams: [Seam(tears: [", "Tear(at: 2, width: 0),", "])])"),
     ] {
         let text = format!("{before}{}{after}", repeated(piece, 40_000));
         let start = std::time::Instant::now();

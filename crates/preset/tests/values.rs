@@ -18,7 +18,7 @@ fn preset(text: &str) -> Preset {
 fn deform(text: &str) -> Deform {
     match preset(text).effects.remove(0).action {
         Action::Deform(deform) => deform,
-        Action::Wrinkle(other) => panic!("{other:?}"),
+        other => panic!("{other:?}"),
     }
 }
 

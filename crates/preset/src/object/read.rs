@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use wirework_surface::{MAX_VERTICES, Patch, PatchError, Transform};
 
 use super::{Object, PatchDeform, Shape};
+use crate::deform::head;
 use crate::error::PresetErrorKind;
 use crate::read::{Fields, Reader, Within};
 use crate::tree::{Body, Node};
@@ -45,7 +46,7 @@ pub(crate) fn object(reader: &mut Reader<'_>, node: &Node) -> Option<Object> {
     let transform = transform(reader, &mut fields);
     reader.finish(fields);
     let shape = shape?;
-    vertices(reader, node, &shape)?;
+    within_limit(reader, node, shape.size().vertices, "this object has")?;
     Some(Object { shape, transform })
 }
 
@@ -65,9 +66,8 @@ fn transform(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Transform {
     }
 }
 
-/// Refuses an object that is too large before anything of it is allocated.
-fn vertices(reader: &mut Reader<'_>, node: &Node, shape: &Shape) -> Option<()> {
-    let count = shape.size().vertices;
+/// Refuses too many vertices before any is allocated. `who`: what has them, for instance `this object has`.
+pub(crate) fn within_limit(reader: &mut Reader<'_>, node: &Node, count: u64, who: &str) -> Option<()> {
     let (limit, raise) = if reader.limits.vertices <= MAX_VERTICES {
         (reader.limits.vertices, "--max-vertices raises it")
     } else {
@@ -76,9 +76,8 @@ fn vertices(reader: &mut Reader<'_>, node: &Node, shape: &Shape) -> Option<()> {
     if count <= limit {
         return Some(());
     }
-    let span = node.name.as_ref().map_or(&node.span, |name| &name.span);
-    let message = format!("this object has {count} vertices, the limit is {limit} ({raise})");
-    reader.error(PresetErrorKind::Limit, span, message, None);
+    let message = format!("{who} {count} vertices, the limit is {limit} ({raise})");
+    reader.error(PresetErrorKind::Limit, &head(node), message, None);
     None
 }
 
