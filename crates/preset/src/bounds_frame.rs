@@ -43,6 +43,7 @@ impl Effect {
             mask: self.mask.clone(),
             units: Units::Metres,
             refine: self.refine,
+            typed: self.typed.clone(),
         }
     }
 }

@@ -38,6 +38,7 @@ mod scope;
 mod syntax;
 mod template;
 mod tree;
+mod typed;
 mod wire;
 mod wrinkle;
 
@@ -50,3 +51,4 @@ pub use object::{Object, ObjectError, ObjectSize, PatchDeform, Shape};
 pub use preset::{Action, Effect, FORMAT_VERSION, Parsed, Preset, parse};
 pub use scope::{Channel, Mask, Named, Only, Units};
 pub use template::{TEMPLATES, TemplateError, template};
+pub use typed::Typed;
