@@ -65,14 +65,34 @@ impl Typed {
         self.place(field).error(kind, message.into(), help)
     }
 
+    /// How many values were typed in the list at a field; none where there is no list.
+    pub fn listed(&self, field: &str) -> Option<usize> {
+        let (node, path) = self.find(field)?;
+        let whole = steps(&self.path).chain(steps(field)).eq(steps(&path));
+        match &node.body {
+            Body::List(items) if whole => Some(items.len()),
+            _ => None,
+        }
+    }
+
     fn place(&self, field: &str) -> Place {
-        let Some(script) = &self.script else { return Place::nowhere() };
+        let (Some(script), Some((node, path))) = (&self.script, self.find(field)) else {
+            return Place::nowhere();
+        };
+        // A caret under a whole struct would be many lines long.
+        let whole = path != self.path && !matches!(node.body, Body::Fields(_));
+        let span = if whole { node.span.clone() } else { head(node) };
+        let (line, column) = Places::new(&script.text).line_column(span.start);
+        Place { span: span.start + script.offset..span.end + script.offset, line, column, path }
+    }
+
+    /// The deepest value that was typed on the way to a field, and its path.
+    fn find(&self, field: &str) -> Option<(&Node, String)> {
+        let script = self.script.as_ref()?;
         let (mut node, mut path) = (&script.root, String::new());
         let own = steps(&self.path).count();
         for (i, step) in steps(&self.path).chain(steps(field)).enumerate() {
-            let next = node.step(step);
-            // A lone effect is the root itself.
-            let Some(next) = next else { break };
+            let Some(next) = node.step(step) else { break };
             if !step.starts_with('[') && !path.is_empty() {
                 path.push('.');
             }
@@ -80,11 +100,7 @@ impl Typed {
             // What is explicitly there is as good as what is there.
             node = if i < own { next } else { next.unwrap_some() };
         }
-        // A caret under a whole struct would be many lines long.
-        let whole = path != self.path && !matches!(node.body, Body::Fields(_));
-        let span = if whole { node.span.clone() } else { head(node) };
-        let (line, column) = Places::new(&script.text).line_column(span.start);
-        Place { span: span.start + script.offset..span.end + script.offset, line, column, path }
+        Some((node, path))
     }
 }
 

@@ -51,6 +51,11 @@ fn what_was_not_typed_is_missed_where_it_would_stand() {
     }
     assert_eq!(place(2, "drive.radius"), is("Strain", "[2].drive"));
     assert_eq!(place(1, "pattern[9]").1, "[1][0].pattern");
+    let listed = |field| effects(STACK)[0].typed.listed(field);
+    assert_eq!(
+        [listed("wires"), listed("wires[1].radius"), listed("blend"), listed("")],
+        [Some(2), None, None, None]
+    );
     for odd in ["[0", "]", "..", "wires[x]", "wires[-1].radius", "[", "center[99999999999999999999]"] {
         place(0, odd);
     }
