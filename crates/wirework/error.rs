@@ -183,7 +183,8 @@ fn of_asset(error: &AssetError) -> Fault {
     }
 }
 
-fn of_evaluation(error: &EvaluateError) -> Fault {
+/// Whose fault it is that an effect does not fit an object from elsewhere.
+pub(crate) fn of_evaluation(error: &EvaluateError) -> Fault {
     match error {
         // What stands below is the result of another effect.
         EvaluateError::Wrinkle {

@@ -111,6 +111,20 @@ pub enum EvaluateError {
     },
 }
 
+impl EvaluateError {
+    /// Which effect it is about, from 0; none where it is about none.
+    pub fn effect(&self) -> Option<usize> {
+        match self {
+            Self::Bind { effect, .. }
+            | Self::Wrinkle { effect, .. }
+            | Self::Lattice { effect, .. }
+            | Self::NoExtent { effect }
+            | Self::Scoped { effect } => Some(*effect),
+            Self::PointCount { .. } => None,
+        }
+    }
+}
+
 impl<'a> Evaluation<'a> {
     /// Binds effects to a surface: points in any order, triangles that index them (only wrinkles need any). Each effect after
     /// the first is worked out once, at 0 s, so that one that does not fit the one before it is found here.
@@ -234,6 +248,11 @@ impl<'a> Evaluation<'a> {
             Some((index, lattice, points))
         };
         self.stages.iter().enumerate().filter_map(outside)
+    }
+
+    /// Whether an effect has nothing that could move a point.
+    pub(crate) fn is_inert(&self, effect: usize) -> bool {
+        self.stages.get(effect).is_some_and(Stage::is_inert)
     }
 
     /// Whether an effect has a lattice in which no point lies.

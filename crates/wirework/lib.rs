@@ -139,6 +139,7 @@ mod source;
 mod stage;
 mod strain;
 mod subject;
+mod unfit;
 mod weld;
 
 pub use wirework_asset as asset;

@@ -4,7 +4,8 @@ use wirework_preset::{Effect, ObjectError};
 use wirework_surface::{Bounds, Tessellation};
 
 use crate::mask::Masks;
-use crate::subject::{Model, Origin, Subject, unfit};
+use crate::subject::{Model, Origin, Subject};
+use crate::unfit::unfit;
 use crate::{ControlNet, Evaluation, JobError};
 
 /// What an effect is bound to: the points of a subject at rest, taken out of it.
@@ -32,11 +33,11 @@ impl Basis {
     }
 
     /// Binds effects, with the masks of each.
-    pub(crate) fn bind(&self, effects: &[Effect], masks: Masks) -> Result<Motion<'_>, JobError> {
+    pub(crate) fn bind<'a>(&'a self, effects: &'a [Effect], masks: Masks) -> Result<Motion<'a>, JobError> {
         let Self { points, triangles, bounds, net, origin } = self;
         let evaluation =
-            Evaluation::masked(effects, masks, points, triangles, *bounds).map_err(unfit(origin))?;
-        let motion = Motion { points, now: points.clone(), evaluation, net: None, origin };
+            Evaluation::masked(effects, masks, points, triangles, *bounds).map_err(unfit(origin, effects))?;
+        let motion = Motion { points, now: points.clone(), evaluation, net: None, origin, effects };
         let Some((net, surface)) = net else { return Ok(motion) };
         let controlled = Controlled { surface: net.surface()?, controls: points.clone() };
         Ok(Motion { points: surface, now: surface.clone(), net: Some(controlled), ..motion })
@@ -52,6 +53,7 @@ pub(crate) struct Motion<'a> {
     pub(crate) evaluation: Evaluation<'a>,
     net: Option<Controlled<'a>>,
     origin: &'a Origin,
+    effects: &'a [Effect],
 }
 
 /// A surface whose control points the effect moves.
@@ -65,7 +67,7 @@ impl Motion<'_> {
     /// Works out where the points are at a moment.
     pub(crate) fn at(&mut self, seconds: f64) -> Result<(), JobError> {
         let moved = self.net.as_mut().map_or(&mut self.now, |net| &mut net.controls);
-        self.evaluation.at(seconds, moved).map_err(unfit(self.origin))?;
+        self.evaluation.at(seconds, moved).map_err(unfit(self.origin, self.effects))?;
         if let Some(point) = moved.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
             return Err(JobError::OutOfRange { point, seconds });
         }

@@ -52,7 +52,9 @@ impl Evaluation<'_> {
     /// A warning for each effect that has been evaluated and has reached nothing at any time.
     pub(crate) fn idle_warnings(&self) -> Vec<String> {
         let unmoved: Vec<usize> = self.unmoved().collect();
-        let told = |effect: &usize| !self.is_empty_lattice(*effect) && !unmoved.contains(effect);
+        let told = |effect: &usize| {
+            !self.is_empty_lattice(*effect) && !self.is_inert(*effect) && !unmoved.contains(effect)
+        };
         let span = span(self.points());
         let line =
             |effect| format!("the effect{} reaches no vertex: nothing moves{span} [no-reach]", which(effect));

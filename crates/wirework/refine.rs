@@ -9,7 +9,8 @@ use wirework_surface::{
 use wirework_wrinkle::{SurfaceView, creases};
 
 use crate::evaluate::bounds_frame;
-use crate::subject::{Model, Origin, Subject, unfit};
+use crate::subject::{Model, Origin, Subject};
+use crate::unfit::unfit;
 use crate::weld::Weld;
 use crate::{ControlNet, EvaluateError, JobError};
 
@@ -56,7 +57,7 @@ pub(crate) fn refined(
     let mut wanted = vec![f32::INFINITY; subject.points.len()];
     for (index, effect) in effects.iter().enumerate().filter(|(_, effect)| effect.refine) {
         let Action::Wrinkle(wrinkle) = effect.placed(&frame).action else { continue };
-        let fail = |error| unfit(&subject.origin)(EvaluateError::Wrinkle { effect: index, error });
+        let fail = |error| unfit(&subject.origin, effects)(EvaluateError::Wrinkle { effect: index, error });
         let surface = SurfaceView { positions: &subject.points, triangles: &subject.triangles };
         let mut creases = creases(&surface, &wrinkle).map_err(fail)?;
         creases.want_edges(&mut wanted);

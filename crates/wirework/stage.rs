@@ -237,6 +237,11 @@ impl Stage {
         Ok(())
     }
 
+    /// Whether it has nothing that could move a point.
+    pub(crate) fn is_inert(&self) -> bool {
+        matches!(&self.action, Action::Deform(deform) if deform.wires.is_empty())
+    }
+
     /// Whether compression of the surface drives it.
     pub(crate) fn is_driven(&self) -> bool {
         self.creases.as_ref().is_some_and(Creases::is_driven)

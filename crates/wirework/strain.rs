@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use wirework_asset::{Gltf, Limits, Rest};
-use wirework_preset::{Action, Effect, Preset};
+use wirework_core::Blend;
+use wirework_preset::{Action, Deform, Effect, Preset};
 use wirework_wrinkle::{Drawn, Field, Pattern, SurfaceView, Wrinkle, WrinkleError};
 
 use crate::evaluate::bounds_frame;
 use crate::film::find_clip;
 use crate::mask::masks;
 use crate::reach::which;
-use crate::subject::unfit;
+use crate::unfit::unfit;
 use crate::{EvaluateError, Evaluation, JobError, Model, Subject};
 
 /// Looks at a clip in steps of so many seconds: twice as fine as what films show.
@@ -61,7 +62,8 @@ impl Length {
 }
 
 /// The effects of a preset, with drawn creases in the place of those that are to be looked for where the subject is compressed: by the
-/// clip that is asked for or the first, or else by the effects before. One that finds nothing is left out, with a warning.
+/// clip that is asked for or the first, or else by the effects before. One that finds nothing keeps its place and does nothing, with a
+/// warning.
 ///
 /// # Errors
 ///
@@ -84,11 +86,13 @@ pub(crate) fn found(
             effects.push(effect.clone());
             continue;
         }
-        let fail = |error| unfit(&subject.origin)(EvaluateError::Wrinkle { effect: index, error });
+        let fail =
+            |error| unfit(&subject.origin, &preset.effects)(EvaluateError::Wrinkle { effect: index, error });
         let surface = SurfaceView { positions: &subject.points, triangles: &subject.triangles };
         let mut field = Field::new(&surface).map_err(fail)?;
+        let before = (effects.as_slice(), preset.effects.as_slice());
         let moved =
-            moments(subject, &effects, preset.duration, (folder, limits), clip, &mut |now| field.add(now))?;
+            moments(subject, before, preset.duration, (folder, limits), clip, &mut |now| field.add(now))?;
         if !moved {
             return Err(fail(WrinkleError::Unmoved));
         }
@@ -98,6 +102,7 @@ pub(crate) fn found(
                 "the wrinkle{}: nothing is compressed enough to crease [no-strain]",
                 which(index)
             ));
+            effects.push(inert(placed));
             continue;
         }
         let pattern = Pattern::Drawn(lines.into_iter().map(Drawn::from).collect());
@@ -107,11 +112,17 @@ pub(crate) fn found(
     Ok((effects, warnings))
 }
 
-/// Shows the points of a subject as a clip moves them, or else the effects before, at moments in their order. Returns whether there is
+/// What stands in the place of an effect that does nothing, so that the others keep their numbers.
+fn inert(effect: Effect) -> Effect {
+    let nothing = Deform { wires: Vec::new(), blend: Blend::default(), lattice: None };
+    Effect { action: Action::Deform(nothing), refine: false, ..effect }
+}
+
+/// Shows the points of a subject as a clip moves them, or else the effects `before` of `all`, at moments in their order. Returns whether there is
 /// anything that moves them.
 fn moments(
     subject: &Subject,
-    before: &[Effect],
+    (before, all): (&[Effect], &[Effect]),
     duration: f64,
     (folder, limits): (&Path, &Limits),
     clip: Option<&str>,
@@ -128,7 +139,7 @@ fn moments(
         return Ok(false);
     }
     let masks = masks(subject, before, folder, limits)?.complete()?;
-    let fail = unfit(&subject.origin);
+    let fail = unfit(&subject.origin, all);
     let bounds = subject.bounds();
     let mut effects =
         Evaluation::masked(before, masks, &subject.points, &subject.triangles, bounds).map_err(&fail)?;

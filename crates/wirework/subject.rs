@@ -10,8 +10,9 @@ use wirework_surface::{Bounds, Mesh, Transform};
 
 use crate::mask::{Masks, masks};
 use crate::strain::{driving_clip, found, sense};
+use crate::unfit::unfit;
 use crate::weld::Weld;
-use crate::{ControlNet, EvaluateError, Evaluation, JobError};
+use crate::{ControlNet, Evaluation, JobError};
 
 /// An object ready for an effect.
 #[derive(Clone, Debug)]
@@ -250,7 +251,7 @@ impl Subject {
         unfound: Vec<String>,
     ) -> Result<Evaluation<'_>, JobError> {
         let bound = Evaluation::masked(effects, masks, &self.points, &self.triangles, self.bounds());
-        let mut evaluation = bound.map_err(unfit(&self.origin))?;
+        let mut evaluation = bound.map_err(unfit(&self.origin, effects))?;
         evaluation.warnings.extend(unfound);
         if let (Some(clip), Model::Gltf { gltf, rest }) =
             (driving_clip(&evaluation, &self.model, None)?, &self.model)
@@ -287,15 +288,6 @@ impl Subject {
                 all
             }
         }
-    }
-}
-
-/// Whose fault it is that an effect does not fit an object: the preset's, where it brings the object along.
-pub(crate) fn unfit(origin: &Origin) -> impl Fn(EvaluateError) -> JobError {
-    move |error| match origin {
-        Origin::Preset => JobError::OwnObject(error),
-        Origin::Program => JobError::Evaluate(error),
-        Origin::File(file) => JobError::Unfit { file: file.clone(), error },
     }
 }
 

@@ -49,6 +49,7 @@ impl Effect {
             mask: self.mask.clone(),
             units: Units::Metres,
             refine: self.refine,
+            typed: self.typed.clone(),
         }
     }
 }

@@ -39,6 +39,7 @@ mod stitch;
 mod syntax;
 mod template;
 mod tree;
+mod typed;
 mod wire;
 mod wrinkle;
 
@@ -52,3 +53,4 @@ pub use preset::{Action, Effect, FORMAT_VERSION, Parsed, Preset, parse};
 pub use scope::{Channel, Mask, Named, Only, Units};
 pub use stitch::{Piece, Stitching};
 pub use template::{TEMPLATES, TemplateError, template};
+pub use typed::Typed;

@@ -1,5 +1,7 @@
 //! A whole preset: one effect, or a stack of them, its object and its length in time.
 
+use std::sync::Arc;
+
 use wirework_core::{Interpolate, Keyed};
 use wirework_wrinkle::Wrinkle;
 
@@ -12,6 +14,7 @@ use crate::read::{Fields, Reader, Within, found};
 use crate::scope::{Mask, Only, Units, scope, units};
 use crate::stitch::{Stitching, stitch};
 use crate::tree::{Body, Node};
+use crate::typed::{Script, Typed};
 use crate::wrinkle::wrinkle;
 
 /// The version of the format that this crate reads.
@@ -51,6 +54,8 @@ pub struct Effect {
     pub units: Units,
     /// Whether meshes that are too coarse for it are to be subdivided where it acts.
     pub refine: bool,
+    /// Where it stands in the preset.
+    pub typed: Typed,
 }
 
 /// What an effect does.
@@ -92,7 +97,9 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<Parsed, PresetErrors> {
     if versions(&mut reader, &root) {
         preset = read(&mut reader, &root);
     }
-    let (preset, mut warnings) = reader.into_result(preset)?;
+    let (mut preset, mut warnings) = reader.into_result(preset)?;
+    let script = Arc::new(Script { text: source.to_owned(), offset, root });
+    preset.effects.iter_mut().for_each(|effect| effect.typed.of(&script));
     warnings.sort_by_key(|warning| warning.span.start);
     Ok(Parsed { preset, warnings })
 }
@@ -217,7 +224,7 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
     }
     duration(reader, &mut fields, &clock, scene);
     reader.finish(fields);
-    out.push(Effect { action: action?, only, mask, units, refine });
+    out.push(Effect { action: action?, only, mask, units, refine, typed: reader.typed() });
     Some(())
 }
 

@@ -17,6 +17,7 @@ use crate::limits::Limits;
 use crate::places::Places;
 use crate::scope::{Named, Place};
 use crate::tree::{Body, Entry, Name, Node};
+use crate::typed::Typed;
 
 /// Errors after this many are not noted, nor are warnings; nobody reads them.
 const MOST_NOTED: usize = 32;
@@ -121,6 +122,11 @@ impl<'s> Reader<'s> {
     /// A name that is looked up later.
     pub(crate) fn named(&self, name: &str, span: &Range<usize>) -> Named {
         Named::at(name, self.place(span))
+    }
+
+    /// Where an effect stands that is being read.
+    pub(crate) fn typed(&self) -> Typed {
+        Typed::at(self.path.concat())
     }
 
     /// Takes looks at so many control points from those that are left; none where there are too few.

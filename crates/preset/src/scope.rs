@@ -115,7 +115,7 @@ const NAMES_LISTED: usize = 8;
 impl Named {
     /// A name that stands in no preset: its errors are about the effect as a whole, at line 1, column 1.
     pub fn new(name: impl Into<String>) -> Self {
-        Self { name: name.into(), place: Place { span: 0..0, line: 1, column: 1, path: String::new() } }
+        Self { name: name.into(), place: Place::nowhere() }
     }
 
     pub(crate) fn at(name: &str, place: Place) -> Self {
@@ -148,6 +148,11 @@ impl Named {
 }
 
 impl Place {
+    /// Of what stands in no preset.
+    pub(crate) fn nowhere() -> Self {
+        Self { span: 0..0, line: 1, column: 1, path: String::new() }
+    }
+
     /// An error here.
     pub(crate) fn error(self, kind: PresetErrorKind, message: String, help: Option<String>) -> PresetError {
         let Self { span, line, column, path } = self;

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use wirework_core::{Curve, Keyed, Wire};
-use wirework_preset::{Action, BoundsFrame, Effect, Limits, Units, parse};
+use wirework_preset::{Action, BoundsFrame, Effect, Limits, Typed, Units, parse};
 use wirework_wrinkle::{Pattern, Wrinkle};
 
 const ONE: BoundsFrame = BoundsFrame { center: [0.0; 3], size: 1.0 };
@@ -201,7 +201,14 @@ fn bad_lengths_of_a_program_stay_bad() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.0] {
         let wrinkle = Wrinkle { thickness: Keyed::Constant(bad), ..Wrinkle::drawn(Vec::new()) };
         let action = Action::Wrinkle(Box::new(wrinkle));
-        let written = Effect { action, only: None, mask: None, units: Units::Bounds, refine: false };
+        let written = Effect {
+            action,
+            only: None,
+            mask: None,
+            units: Units::Bounds,
+            refine: false,
+            typed: Typed::default(),
+        };
         let Action::Wrinkle(placed) = written.placed(&frame).action else { panic!() };
         let thickness = placed.thickness.at(0.0);
         assert!(!(thickness > 0.0 && thickness.is_finite()), "{bad} became {thickness}");

@@ -5,7 +5,8 @@ mod common;
 use common::{check, errors};
 use wirework_core::Curve;
 use wirework_preset::{
-    Action, Channel, Effect, KeyedWire, Limits, Mask, Named, Only, Parsed, PresetErrorKind, Units, parse,
+    Action, Channel, Effect, KeyedWire, Limits, Mask, Named, Only, Parsed, PresetErrorKind, Typed, Units,
+    parse,
 };
 use wirework_wrinkle::Wrinkle;
 
@@ -130,6 +131,7 @@ fn a_program_writes_effects_as_a_preset_does() {
         only: Some(Only::Joints(vec![Named::new("arm")])),
         mask: Some(Mask::Image { file: file.clone(), channel: Channel::B }),
         refine: false,
+        typed: Typed::default(),
         units: Units::Bounds,
     };
     let [_, text] = effects("only: Joints([\"arm\"]), mask: Image(\"m.png\", B), units: Bounds");

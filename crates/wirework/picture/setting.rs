@@ -110,7 +110,7 @@ impl Setting {
             effects => Some(self.basis.bind(effects, self.masks.clone())?),
         };
         let clips = self.gltf.clip_names().len();
-        let driven = motion.as_ref().is_none_or(|motion| motion.evaluation.is_driven());
+        let driven = job.preset().is_none_or(|preset| preset.driven);
         let clip = match job.clip {
             Some(wanted) => Some(find_clip(&self.gltf, wanted)?),
             None => (driven && clips > 0).then_some(0),

@@ -9,6 +9,7 @@ mod real;
 mod strained;
 mod surfaces;
 mod tube;
+mod unfit;
 
 use std::collections::HashMap;
 use std::fmt::Write;

@@ -194,3 +194,35 @@ fn an_effect_before_it_drives_it_too() {
     let top = folded.iter().map(|p| p.y).fold(0.0, f64::max);
     assert!(top > 0.5 * 0.02 && top < 0.0202, "{top}");
 }
+
+#[test]
+fn an_effect_that_finds_nothing_keeps_its_number() {
+    let place = Place::new();
+    let stack = |last: &str| {
+        format!(
+            "Stack([
+                Deform(object: Grid(size: (1, 1), cells: (40, 40)),
+                    wires: [Wire(curve: Polyline([(-0.5, 0, 0), (0.5, 0, 0)]), pose: [(-0.5, 0.1, 0), (0.5, 0.1, 0)])]),
+                Wrinkle(pattern: Auto, drive: Strain(from: 0.9, to: 1)),
+                Wrinkle(center: (0, 0.1, 0), thickness: 0.2, size: (0.5, 0.5), {last}),
+            ])"
+        )
+    };
+    place.write("stack.ron", stack("direction: (0, 1, 0)"));
+    let told = place.run("apply stack.ron -o out.glb").expect(0).err();
+    assert!(
+        told.contains("the wrinkle (number 1 of the stack, from 0): nothing is compressed enough"),
+        "{told}"
+    );
+    assert!(
+        told.contains("the wrinkle (number 2 of the stack, from 0): `direction` stands upright"),
+        "{told}"
+    );
+    assert!(!told.contains("[no-reach]"), "{told}");
+    place.write("stack.ron", stack("pattern: Drawn([Polyline([(0, 9, 0), (0.1, 9, 0)])])"));
+    let told = place.run("apply stack.ron -o out.glb").expect(4).err();
+    assert!(
+        told.contains("effect 2 of the stack (from 0): curve 0") && told.contains("[2].pattern[0]"),
+        "{told}"
+    );
+}
