@@ -39,6 +39,7 @@
 mod border;
 mod corner;
 mod error;
+mod joint;
 mod pairing;
 mod path;
 mod seams;
@@ -50,6 +51,7 @@ mod target;
 mod tear;
 
 pub use error::{EdgeFault, StitchError, StitchWarning};
+pub use joint::Cut;
 pub use seams::{Pin, Seams, seams};
 pub use settings::{Continuity, Edge, Order, Pairing, Reversed, Run, Seam, SeamSide, Side, Stitch, Tear};
 pub use surfaces::Surfaces;

@@ -59,13 +59,17 @@ pub(crate) fn pair(
     // Of equal ones the first: as the edges run.
     let best = fitted.into_iter().reduce(|best, next| if next.0 < best.0 { next } else { best });
     let b = best.map_or_else(|| a.clone(), |(_, track)| track);
-    match pairing {
-        Pairing::Closest => {
-            let t = a.closest(&b, surfaces);
-            [a, Track { t, ..b }]
+    let mut b = match pairing {
+        Pairing::Closest => Track { t: a.closest(&b, surfaces), ..b },
+        _ => b,
+    };
+    // What belongs together is to have the same parameter, not nearly so.
+    for t in &mut b.t {
+        if let Some(vertex) = a.vertex(a.place(*t)) {
+            *t = a.t[vertex];
         }
-        _ => [a, b],
     }
+    [a, b]
 }
 
 /// Fractions of the whole where segments begin and, of a run, where the last ends.

@@ -5,22 +5,24 @@ use wirework_surface::Near;
 
 use crate::corner::{Corner, corners};
 use crate::error::{EdgeFault, StitchError, StitchWarning};
+use crate::joint::Joints;
 use crate::pairing::{Track, pair};
 use crate::path::Path;
 use crate::settings::{Continuity, SeamSide, Stitch};
 use crate::side::Side;
-use crate::surfaces::{Piece, Surfaces};
+use crate::surfaces::{Pieces, Surfaces};
 use crate::tangent::{corner_normals, flatten, twists};
 use crate::target::{Moment, Sides, hold, meet, seams_alone, tear};
 
 /// Seams laid on surfaces. Which vertices their edges have is settled once; where these are may change.
 #[derive(Clone, Debug)]
 pub struct Seams {
-    settings: Stitch,
-    sides: Vec<Sides>,
+    pub(crate) settings: Stitch,
+    pub(crate) sides: Vec<Sides>,
     corners: Vec<Corner>,
     near: Vec<Near>,
     pins: Vec<Pin>,
+    joints: Joints,
     warnings: Vec<StitchWarning>,
 }
 
@@ -42,42 +44,49 @@ pub struct Pin {
 /// A setting out of range; an edge that is not there or has no length; seams that take the same stretch of a border.
 pub fn seams(surfaces: &Surfaces<'_>, settings: &Stitch) -> Result<Seams, StitchError> {
     settings.check()?;
-    let mut pieces: Vec<Option<Piece>> = Vec::new();
-    let paths = paths(surfaces, settings, &mut pieces)?;
+    let mut pieces = Pieces { surfaces, list: Vec::new() };
+    let paths = paths(settings, &mut pieces)?;
     check_crossings(&paths)?;
-    let mut sides = Vec::new();
-    let mut near = Vec::new();
+    let mut tracks = Vec::with_capacity(paths.len());
     for (index, (seam, [a, b])) in settings.seams.iter().zip(paths).enumerate() {
         if a.closed != b.closed {
             return Err(StitchError::LoopAndRun { seam: index });
         }
-        let [a, b] = pair(a, b, seam.pairing, seam.reversed, surfaces);
+        tracks.push(pair(a, b, seam.pairing, seam.reversed, surfaces));
+    }
+    lay(settings, tracks, pieces)
+}
+
+/// Lays wires along edges that have a common parameter.
+pub(crate) fn lay(
+    settings: &Stitch,
+    tracks: Vec<[Track; 2]>,
+    mut pieces: Pieces<'_>,
+) -> Result<Seams, StitchError> {
+    let surfaces = pieces.surfaces;
+    let (mut sides, mut near) = (Vec::new(), Vec::new());
+    for (index, (seam, tracks)) in settings.seams.iter().zip(tracks).enumerate() {
         let radius = seam.radius.values().copied().fold(0.0, f32::max);
-        let side = |side: SeamSide, own: &Track, other: &Track| {
-            let piece = pieces.get(seam.edge(side).piece).and_then(Option::as_ref);
-            let fans = piece.map_or_else(Vec::new, |piece| piece.fans(&own.path.vertices));
+        let mut side = |side: SeamSide, own: &Track, other: &Track| {
+            let piece = pieces.get(seam.edge(side).piece);
             let beside = (seam.a.piece == seam.b.piece).then_some(&other.path.vertices[..]);
-            let near = |piece: &Piece| piece.near(surfaces, &own.path.vertices, beside, radius);
-            let near = piece.map(near).unwrap_or_default();
+            near.push(piece.near(surfaces, &own.path.vertices, beside, radius));
+            let fans = piece.fans(&own.path.vertices);
             let fault = |_| StitchError::Edge { seam: index, side, fault: EdgeFault::NoLength };
-            Ok((Side::new(own.clone(), other, fans, surfaces.positions).map_err(fault)?, near))
+            Side::new(own.clone(), other, fans, surfaces.positions).map_err(fault)
         };
-        let (first, near_first) = side(SeamSide::A, &a, &b)?;
-        let (second, near_second) = side(SeamSide::B, &b, &a)?;
-        sides.push([first, second]);
-        near.extend([near_first, near_second]);
+        let [a, b] = &tracks;
+        sides.push([side(SeamSide::A, a, b)?, side(SeamSide::B, b, a)?]);
     }
     let tracks: Vec<[&Track; 2]> = sides.iter().map(|[a, b]| [&a.track, &b.track]).collect();
     let corners = corners(&tracks);
+    let joints = Joints::of(settings, &sides);
     let warnings = junctions(settings, &sides);
-    Ok(Seams { settings: settings.clone(), sides, corners, near, pins: Vec::new(), warnings })
+    Ok(Seams { settings: settings.clone(), sides, corners, near, pins: Vec::new(), joints, warnings })
 }
 
-fn paths(
-    surfaces: &Surfaces<'_>,
-    settings: &Stitch,
-    pieces: &mut Vec<Option<Piece>>,
-) -> Result<Vec<[Path; 2]>, StitchError> {
+fn paths(settings: &Stitch, pieces: &mut Pieces<'_>) -> Result<Vec<[Path; 2]>, StitchError> {
+    let surfaces = pieces.surfaces;
     let mut path = |seam: usize, side: SeamSide| {
         let edge = settings.seams[seam].edge(side);
         let fail = |fault| StitchError::Edge { seam, side, fault };
@@ -85,11 +94,7 @@ fn paths(
         if edge.piece >= known {
             return Err(fail(EdgeFault::NoPiece(edge.piece)));
         }
-        if pieces.len() <= edge.piece {
-            pieces.resize_with(edge.piece + 1, || None);
-        }
-        let piece = pieces[edge.piece].get_or_insert_with(|| surfaces.piece(edge.piece));
-        Path::of(edge, piece, surfaces).map_err(fail)
+        Path::of(edge, pieces.get(edge.piece), surfaces).map_err(fail)
     };
     (0..settings.seams.len()).map(|seam| Ok([path(seam, SeamSide::A)?, path(seam, SeamSide::B)?])).collect()
 }
@@ -181,6 +186,7 @@ impl Seams {
         for ((sides, normals), targets) in self.sides.iter().zip(&normals).zip(&mut targets) {
             flatten(sides, normals, targets);
         }
+        self.joints.close(&moments, &targets);
         tear(&self.sides, &mut targets);
         hold(&self.sides, &moments, &self.corners, &mut targets);
         let laid = self.sides.iter().flatten().skip(wires.len());
@@ -218,6 +224,12 @@ impl Seams {
     /// here for each of them, with the same goal.
     pub fn pins(&self) -> &[Pin] {
         &self.pins
+    }
+
+    /// Points that seams to be welded make one, in groups, and how far they have come: 0 apart, 1 one point. At the moment of the last
+    /// [`Seams::wires_at`]; for whoever makes normals continuous.
+    pub fn joints(&self) -> impl Iterator<Item = (&[u32], f32)> {
+        self.joints.groups()
     }
 
     /// How many seams there are.

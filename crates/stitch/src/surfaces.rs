@@ -35,6 +35,21 @@ pub(crate) struct Piece {
     pub(crate) size: f32,
 }
 
+/// Pieces by their numbers, each taken out when it is asked for.
+pub(crate) struct Pieces<'a> {
+    pub(crate) surfaces: &'a Surfaces<'a>,
+    pub(crate) list: Vec<Option<Piece>>,
+}
+
+impl Pieces<'_> {
+    pub(crate) fn get(&mut self, number: usize) -> &Piece {
+        if self.list.len() <= number {
+            self.list.resize_with(number + 1, || None);
+        }
+        self.list[number].get_or_insert_with(|| self.surfaces.piece(number))
+    }
+}
+
 impl Surfaces<'_> {
     /// Takes one piece out.
     pub(crate) fn piece(&self, piece: usize) -> Piece {
