@@ -77,7 +77,13 @@ struct Strand {
     along: [f32; 2],
     /// Its part of the mean, over its length at rest once that is known.
     weight: f32,
+    /// Its part of the mean.
+    share: f32,
 }
+
+/// A triangle of which less than this part of its length is left has collapsed: parts of a model are hidden by scaling them to nothing,
+/// and no cloth is pushed together so far. It says nothing of compression.
+pub(crate) const COLLAPSED: f32 = 1e-3;
 
 /// Triangles that a gauge looks at, at most: of more, some of all distances stand for the others. With 128 an arm of twice as many
 /// triangles a way had folds 8 % of their height off those of the coarser one; looked at whole, 0.8 %.
@@ -133,7 +139,7 @@ impl Gauge {
             let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
             if let Some(along) = along(corners, across) {
                 let weight = (kernel.max(1e-6) * area) as f32;
-                strands.push(Strand { corners: terrain.places_of(triangle), along, weight });
+                strands.push(Strand { corners: terrain.places_of(triangle), along, weight, share: 0.0 });
             }
             for next in terrain.neighbours(triangle) {
                 if seen.len() < MOST_SEEN && seen.insert(next) {
@@ -151,21 +157,29 @@ impl Gauge {
 
     fn against(&mut self, rest: &[[f32; 3]]) {
         for strand in &mut self.0 {
-            strand.weight = match strand.length(rest) {
-                length if length > 0.0 => strand.weight / length,
-                _ => 0.0,
-            };
+            let length = strand.length(rest);
+            (strand.share, strand.weight) =
+                if length > 0.0 { (strand.weight, strand.weight / length) } else { (0.0, 0.0) };
         }
-        let sum: f32 = self.0.iter().map(|strand| strand.weight * strand.length(rest)).sum();
+        let sum: f32 = self.0.iter().map(|strand| strand.share).sum();
         if sum > 0.0 {
-            self.0.iter_mut().for_each(|strand| strand.weight /= sum);
+            for strand in &mut self.0 {
+                (strand.share, strand.weight) = (strand.share / sum, strand.weight / sum);
+            }
         }
     }
 
     fn read(&self, now: &[[f32; 3]]) -> f32 {
-        let mean: f32 = self.0.iter().map(|strand| strand.weight * strand.length(now)).sum();
+        let (mut left, mut known) = (0.0, 0.0);
+        for strand in &self.0 {
+            let length = strand.weight * strand.length(now);
+            // NaN is not greater.
+            if length > COLLAPSED * strand.share && length.is_finite() {
+                (left, known) = (left + length, known + strand.share);
+            }
+        }
         // Without a triangle that has an area nothing is known.
-        if mean.is_finite() && mean > 0.0 { 1.0 - mean } else { 0.0 }
+        if known > 0.0 { 1.0 - left / known } else { 0.0 }
     }
 }
 

@@ -164,6 +164,32 @@ fn a_radius_beyond_all_measure_looks_at_so_many_triangles() {
 }
 
 #[test]
+fn triangles_that_are_no_numbers_or_have_collapsed_say_nothing() {
+    let mesh = grid([2.0, 2.0], [40, 40], [0.0, 1.0, 0.0]).unwrap();
+    let laid = lay(&mesh, LAYOUT, Strain::default());
+    let read = |gone: [f32; 3]| {
+        laid.compression(&map(&mesh, |p| if p[2] > 0.05 { gone } else { [0.8 * p[0], p[1], p[2]] }))
+    };
+    let wires = {
+        let mut wires = Vec::new();
+        laid.clone().wires_at(0.0, &mut wires);
+        wires
+    };
+    let places: Vec<f32> = wires.iter().flat_map(|w| w.reference.points()).map(|p| p[2]).collect();
+    for gone in [[f32::NAN, 0.0, 0.0], [0.0, f32::INFINITY, 0.0]] {
+        for (reading, z) in read(gone).into_iter().zip(&places) {
+            let expected = if *z > 0.3 { 0.0 } else { 0.2 };
+            assert!((reading - expected).abs() < 1e-4 || (0.2..0.3).contains(z), "{reading} at {z}");
+        }
+    }
+    let hidden = laid.compression(&map(&mesh, |_| [0.3, 0.0, 0.3]));
+    assert!(hidden.iter().all(|reading| *reading == 0.0));
+    // The half that is hidden says nothing; those between are pulled long.
+    let half = laid.compression(&map(&mesh, |p| if p[2] > 0.0 { [p[0], 0.0, 0.0] } else { p }));
+    assert!(half.iter().all(|reading| *reading < 1e-4), "{half:?}");
+}
+
+#[test]
 fn settings_out_of_range_are_named() {
     let base = Strain::default();
     for (strain, name) in [
