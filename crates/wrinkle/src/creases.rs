@@ -13,8 +13,8 @@ use crate::compression::Crests;
 use crate::crease::{Crease, Fineness, SPANS, SPANS_A_THICKNESS};
 use crate::ground::{Ground, wide};
 use crate::height::{MIN_SPANS_VARYING, height};
-use crate::pattern::{Lines, Prepared, lines, prepare};
-use crate::ropes::Ropes;
+use crate::pattern::{Fork, Lines, Prepared, lines, prepare};
+use crate::ropes::{Hook, Ropes};
 use crate::strain::{Gauges, Record};
 use crate::trace::position;
 use crate::{Motion, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning};
@@ -305,7 +305,13 @@ impl Creases {
         let Motion::Curtain(curtain) = &self.settings.motion else { return None };
         let line = |crease: &Crease| crease.reference.points().iter().map(|p| wide(*p)).collect();
         let lines: Vec<Vec<DVec3>> = self.list.iter().map(line).collect();
-        Some(Ropes::new(&lines, curtain, self.settings.seed))
+        let hook = |crease: &Crease| {
+            let Fork { stem, at } = crease.fork?;
+            let (point, below) = self.list.get(stem)?.place(at);
+            Some(Hook { rope: stem, point, below })
+        };
+        let hooks: Vec<Option<Hook>> = self.list.iter().map(hook).collect();
+        Some(Ropes::new(&lines, &hooks, curtain, self.settings.seed))
     }
 
     fn gauges(&self) -> Option<Gauges> {

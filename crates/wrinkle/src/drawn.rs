@@ -69,7 +69,7 @@ pub(crate) fn drop(
     let strength = 1.0 - 0.5 * random * unit(settings.seed, index, Jitter::Height);
     // One fold by itself takes up what its own width lacks.
     let spacing = (2.0 * f64::from(thickness), 2.0 * f64::from(thickness));
-    Ok(Line { trace, closed: curve.closed(), range: (0.0, 1.0), strength, spacing, index })
+    Ok(Line { trace, closed: curve.closed(), range: (0.0, 1.0), strength, spacing, index, fork: None })
 }
 
 /// How far creases have gone along themselves and across.

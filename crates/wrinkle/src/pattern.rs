@@ -23,6 +23,17 @@ pub(crate) struct Line {
     pub(crate) spacing: (f64, f64),
     /// Which crease of the pattern it is, or is a part of.
     pub(crate) index: usize,
+    /// What it branches off.
+    pub(crate) fork: Option<Fork>,
+}
+
+/// Where a branch leaves its stem.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fork {
+    /// The stem's number among all lines; less than the branch's.
+    pub(crate) stem: usize,
+    /// The part of the stem's length up to there.
+    pub(crate) at: f64,
 }
 
 /// All lines of a moment, and what is to be said of them.

@@ -5,8 +5,8 @@ use wirework_core::{Binding, Curve, Keyed, Mask, Wire};
 use wirework_surface::{Mesh, grid, sphere, tube};
 
 use crate::{
-    Branches, Creases, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning,
-    creases,
+    Branches, Creases, Curtain, Drawn, Layout, Motion, Pattern, SurfaceView, Wrinkle, WrinkleError,
+    WrinkleWarning, creases,
 };
 
 const LAYOUT: Layout = Layout { center: [0.0; 3], direction: [1.0, 0.0, 0.0], size: [1.0, 1.0], creases: 5 };
@@ -144,6 +144,33 @@ fn branches_leave_their_stems_left_and_right() {
         let left = DVec3::Y.cross(stem);
         assert!((end(child) - start(child)).dot(left) * side > 0.0);
         assert!(end(child).length() < 0.5);
+    }
+}
+
+#[test]
+fn branches_of_a_curtain_stay_on_their_stems() {
+    // An upright sheet; the stems hang from the middle of it.
+    let mesh = grid([2.0; 2], [40; 2], [0.0, 0.0, 1.0]).unwrap();
+    let layout = Layout { direction: [0.3, -1.0, 0.0], size: [1.6, 1.0], creases: 3, ..LAYOUT };
+    let curtain = Curtain { wind: Keyed::Constant([2.0, 0.0, 6.0]), ..Curtain::default() };
+    for stiffness in [0.0, 0.4] {
+        let settings = Wrinkle {
+            motion: Motion::Curtain(Box::new(Curtain { stiffness, ..curtain.clone() })),
+            ..Wrinkle::new(Pattern::Radial(layout, Branches { count: 2, depth: 2 }))
+        };
+        let laid = lay(&mesh, &settings).unwrap();
+        let rest = wires(&laid, 0.0);
+        for seconds in [0.0, 0.4, 1.1] {
+            let wires = wires(&laid, seconds);
+            for (stem, branch) in [(0, 1), (0, 4), (1, 2), (4, 6), (7, 8)] {
+                let from = rest[branch].reference.point(0.0);
+                let foot = rest[stem].reference.closest(from).unwrap();
+                let posed =
+                    |wire: &Wire, u: f32| wide(wire.reference.posed(wire.pose.clone()).unwrap().point(u));
+                let off = posed(&wires[stem], foot.u).distance(posed(&wires[branch], 0.0));
+                assert!(off < 0.01 * 0.08, "{branch} is {off} off {stem} at {seconds}");
+            }
+        }
     }
 }
 

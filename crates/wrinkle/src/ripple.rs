@@ -133,6 +133,7 @@ impl Rays {
                         strength: ring.strength,
                         spacing: (spacing, spacing),
                         index,
+                        fork: None,
                     });
                 }
             }

@@ -106,7 +106,7 @@ pub enum Motion {
         velocity: [f32; 2],
     },
     /// Their references stay, and the wires hang from their origins as ropes: \[SF98\] Figure 16. `intensity` lifts them off the
-    /// surface besides. Not for closed creases.
+    /// surface besides. Branches hang from their stems, without pulling at them. Not for closed creases.
     Curtain(Box<Curtain>),
 }
 

@@ -70,6 +70,7 @@ pub(crate) fn lay(
             strength: 1.0 - 0.5 * random * unit(settings.seed, index, Jitter::Height),
             spacing: (spacing, spacing),
             index,
+            fork: None,
         });
     }
 }
