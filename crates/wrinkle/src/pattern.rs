@@ -47,6 +47,8 @@ pub(crate) struct Lines {
     pub(crate) cut: usize,
     /// Ends of creases that a non-manifold edge cut.
     pub(crate) crowded: usize,
+    /// Ends of rings between geodesics that have parted.
+    pub(crate) parted: usize,
 }
 
 /// What is prepared once.
@@ -159,6 +161,9 @@ impl Lines {
         }
         if self.crowded > 0 {
             self.warnings.push(WrinkleWarning::NonManifold { ends: self.crowded });
+        }
+        if self.parted > 0 {
+            self.warnings.push(WrinkleWarning::Parted { ends: self.parted });
         }
         Ok(self)
     }

@@ -523,7 +523,7 @@ fn rings_that_a_border_cuts_are_arcs_up_to_it() {
     let laid = lay(&plane(80), &Wrinkle::new(Pattern::Ripple(layout))).unwrap();
     let wires = wires(&laid, 0.0);
     assert_eq!(wires.len(), 3);
-    assert!(laid.warnings().contains(&WrinkleWarning::Border { ends: 2 }));
+    assert!(laid.warnings().contains(&WrinkleWarning::Border { ends: 4 }));
     for (wire, r) in wires.iter().zip([0.2, 0.4, 0.6]) {
         assert_eq!(wire.reference.closed(), r < 0.3);
         for k in 0..=50 {
@@ -537,6 +537,37 @@ fn rings_that_a_border_cuts_are_arcs_up_to_it() {
             );
         }
     }
+}
+
+#[test]
+fn rings_say_what_cuts_them() {
+    let layout = Layout { center: [-0.3, 0.0, 0.0], size: [1.4, 1.0], creases: 1, ..LAYOUT };
+    let ripple = Wrinkle::new(Pattern::Ripple(layout));
+    let said = |mesh: &Mesh| {
+        let coarse = |w: &WrinkleWarning| matches!(w, WrinkleWarning::Coarse { .. });
+        let mut all = lay(mesh, &ripple).unwrap().warnings().to_vec();
+        all.retain(|w| !coarse(w));
+        all
+    };
+    assert_eq!(said(&plane(40)), []);
+    // A fin stands on the sheet along x = 0.2, where three faces meet.
+    let mut mesh = plane(40);
+    let rows: Vec<u32> = (0..mesh.positions.len() as u32)
+        .filter(|&v| (mesh.positions[v as usize][0] - 0.2).abs() < 1e-4)
+        .collect();
+    for pair in rows.windows(2) {
+        let top = mesh.positions.len() as u32;
+        let [x, _, z] = mesh.positions[pair[0] as usize];
+        mesh.positions.push([x, 0.5, z]);
+        let corner = |position| wirework_surface::Corner { position, uv: None, normal: None };
+        mesh.corners.extend([pair[0], pair[1], top].map(corner));
+        mesh.face_ends.push(mesh.corners.len() as u32);
+    }
+    assert_eq!(said(&mesh), [WrinkleWarning::NonManifold { ends: 2 }]);
+    // The border of the sheet.
+    let layout = Layout { center: [0.7, 0.0, 0.0], size: [1.2, 1.0], creases: 1, ..LAYOUT };
+    let cut = Wrinkle::new(Pattern::Ripple(layout));
+    assert!(lay(&plane(80), &cut).unwrap().warnings().contains(&WrinkleWarning::Border { ends: 2 }));
 }
 
 #[test]
