@@ -231,9 +231,10 @@ impl Binding {
         }
         // Only now are the feet of all rivals known.
         for index in 0..wires.len() {
-            let group = self.wires[index].wire.group;
+            // Of most there is none, and no need to look at all others for each.
+            let Some(group) = self.wires[index].wire.group else { continue };
             let concerns = |other: &BoundWire| {
-                other.found_anew && group.is_some() && (other.wire.group == group || other.left == group)
+                other.found_anew && (other.wire.group == Some(group) || other.left == Some(group))
             };
             if self.wires.iter().any(concerns) {
                 self.sort_group(index);

@@ -31,6 +31,7 @@ mod compression;
 mod crease;
 mod creases;
 mod curtain;
+mod doubts;
 mod drawn;
 mod error;
 mod field;
