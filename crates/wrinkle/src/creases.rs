@@ -15,6 +15,7 @@ use crate::ground::{Ground, wide};
 use crate::height::{MIN_SPANS_VARYING, height};
 use crate::pattern::{Fork, Lines, Prepared, lines, prepare};
 use crate::ropes::{Hook, Ropes};
+use crate::spread::Spread;
 use crate::strain::{Gauges, Record};
 use crate::{Motion, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning};
 
@@ -139,8 +140,9 @@ impl Creases {
     /// Tells the compression of the surface at equal steps, in seconds, from 0 s on; a single one holds at all times. Each is from
     /// [`Creases::compression`].
     pub fn record(&mut self, step: f64, readings: Vec<Vec<f32>>) {
-        let settle = self.settings.drive.map_or(0.0, |strain| f64::from(strain.settle));
-        self.record = Record::new(step, readings, settle);
+        let Some(strain) = self.settings.drive else { return };
+        let spread = Spread::new(&self.list, f64::from(self.thickness));
+        self.record = Record::new(step, readings, &strain, &spread);
     }
 
     /// The greatest compression across a crease that was told of, and when, seconds, where none is large enough to raise any.
@@ -206,7 +208,7 @@ impl Creases {
             wire.radius = radius;
             let hang = self.hang.get(index).map_or(&[][..], Vec::as_slice);
             let raised = |node: usize| match &settings.drive {
-                Some(strain) => self.record.raise(strain, seconds, first + node),
+                Some(_) => self.record.raise(seconds, first + node),
                 None => 1.0,
             };
             let full = |node: usize| match &self.crests {

@@ -46,6 +46,7 @@ mod ripple;
 mod rope;
 mod ropes;
 mod settings;
+mod spread;
 mod strain;
 mod tangential;
 mod trace;
