@@ -9,7 +9,7 @@ use crate::pattern::Line;
 use crate::random::{Jitter, unit};
 use crate::trace::{Trace, position};
 use crate::travel::{room, stop};
-use crate::{Motion, Wrinkle, WrinkleError};
+use crate::{Wrinkle, WrinkleError};
 
 /// Samples of a drawn curve: at least so many, for its shape, and at most, for the time it takes.
 const SAMPLES: std::ops::RangeInclusive<usize> = 65..=4097;
@@ -50,7 +50,7 @@ pub(crate) fn drop(
     if shift != 0.0 {
         points = sideways(ground, &points, shift, curve.closed());
     }
-    let [along, across] = travelled(settings, seconds);
+    let [along, across] = settings.motion.velocity().map(|v| v * seconds);
     if across != 0.0 {
         points = travel(ground, &points, across, f64::from(thickness), curve.closed());
     }
@@ -70,14 +70,6 @@ pub(crate) fn drop(
     // One fold by itself takes up what its own width lacks.
     let spacing = (2.0 * f64::from(thickness), 2.0 * f64::from(thickness));
     Ok(Line { trace, closed: curve.closed(), range: (0.0, 1.0), strength, spacing, index, fork: None })
-}
-
-/// How far creases have gone along themselves and across.
-fn travelled(settings: &Wrinkle, seconds: f64) -> [f64; 2] {
-    match settings.motion {
-        Motion::Travelling { velocity } => velocity.map(|v| f64::from(v) * seconds),
-        _ => [0.0; 2],
-    }
 }
 
 /// The points gone across their line, each straight ahead over the surface and up to a border.
@@ -109,3 +101,7 @@ fn across(ground: &Ground, points: &[Step], i: usize, closed: bool) -> DVec3 {
     let normal = ground.footing(&points[i]).map_or(DVec3::ZERO, |f| f.normal);
     normal.cross(along).normalize_or_zero()
 }
+
+#[cfg(test)]
+#[path = "drawn_tests.rs"]
+mod tests;

@@ -62,3 +62,5 @@ pub use strain::Strain;
 
 #[cfg(test)]
 mod patterns_tests;
+#[cfg(test)]
+mod test_support;

@@ -5,7 +5,7 @@ use wirework_surface::{Stop, Walker};
 use crate::ground::{Ground, MOST_CROSSINGS, wide};
 use crate::ripple::Rays;
 use crate::trace::Trace;
-use crate::{Layout, Motion, Pattern, Wrinkle, WrinkleError, WrinkleWarning, drawn, radial, tangential};
+use crate::{Layout, Pattern, Wrinkle, WrinkleError, WrinkleWarning, drawn, radial, tangential};
 
 /// The part of a crease that may be missing without a word: less than anyone sees.
 const SHORT: f64 = 1e-3;
@@ -71,12 +71,8 @@ pub(crate) fn prepare(ground: &Ground, settings: &Wrinkle, thickness: f32) -> Re
 
 /// Refuses lines that would wind round the surface for ever. Rings do not walk once their rays have.
 fn check_walks(ground: &Ground, settings: &Wrinkle, seconds: f64) -> Result<(), WrinkleError> {
-    let way = match settings.motion {
-        Motion::Travelling { velocity: [along, across] } => {
-            f64::from(along).hypot(f64::from(across)) * seconds
-        }
-        Motion::Anchored | Motion::Curtain(_) => 0.0,
-    };
+    let [along, across] = settings.motion.velocity();
+    let way = along.hypot(across) * seconds;
     let length = match &settings.pattern {
         Pattern::Drawn(_) | Pattern::Auto { .. } => 0.0,
         Pattern::Tangential(layout) => f64::from(layout.size[0].max(layout.size[1])),

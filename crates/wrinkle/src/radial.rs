@@ -8,7 +8,7 @@ use crate::pattern::{Fork, Line, Lines};
 use crate::random::{Jitter, unit};
 use crate::trace::Trace;
 use crate::travel::{room, stop};
-use crate::{Branches, Layout, Motion, Wrinkle};
+use crate::{Branches, Layout, Wrinkle};
 
 /// Where creases begin, in parts of the thickness and of their length, the lesser: all of them in one point would be a
 /// spike of many wires.
@@ -52,8 +52,10 @@ pub(crate) fn lay(
 
 /// The centre slides over the surface, and stops at a border.
 fn travel(center: &mut Walker<'_>, settings: &Wrinkle, seconds: f64, thickness: f64) {
-    let Motion::Travelling { velocity: [along, across] } = settings.motion else { return };
-    let (along, across) = (f64::from(along), f64::from(across));
+    let [along, across] = settings.motion.velocity();
+    if [along, across] == [0.0; 2] {
+        return;
+    }
     let (way, angle) = (along.hypot(across) * seconds, across.atan2(along));
     center.turn(angle);
     center.walk(stop(way, room(center, way, thickness), thickness), |_, _| {});
@@ -132,3 +134,7 @@ impl Laying<'_> {
         self.stem(&walker, (0.0, left), Start { origin, index, fork, ..start });
     }
 }
+
+#[cfg(test)]
+#[path = "radial_tests.rs"]
+mod tests;

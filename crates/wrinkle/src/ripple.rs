@@ -253,3 +253,7 @@ fn rings(layout: &Layout, settings: &Wrinkle, seconds: f64) -> Vec<Ring> {
 fn travels(settings: &Wrinkle) -> bool {
     matches!(settings.motion, Motion::Travelling { .. })
 }
+
+#[cfg(test)]
+#[path = "ripple_tests.rs"]
+mod tests;
