@@ -4,7 +4,7 @@ use wirework_surface::grid;
 
 use crate::ground::wide;
 use crate::test_support::{lay, plane, wires};
-use crate::{Drawn, Motion, Pattern, Wrinkle};
+use crate::{Drawn, Motion, Pattern, Wrinkle, WrinkleWarning};
 
 #[test]
 fn drawn_creases_travel_along_themselves_and_across() {
@@ -83,4 +83,25 @@ fn jitter_follows_its_seed_and_its_bounds() {
     assert!(height.0 >= 0.0249 && height.0 < 0.035 && height.1 <= 0.0501 && height.1 > 0.04, "{height:?}");
     assert!(start.0 >= -1.0 && start.1 <= -0.499 && start.1 > -0.8, "{start:?}");
     assert!(end.1 <= 1.0 && end.0 >= 0.499 && end.0 < 0.8, "{end:?}");
+}
+
+#[test]
+fn a_curve_that_passes_a_border_says_so() {
+    let mesh = plane(64);
+    let said = |points: Vec<[f32; 3]>| {
+        let curve = Curve::polyline(points).unwrap();
+        let settings = Wrinkle { thickness: Keyed::Constant(0.1), ..Wrinkle::drawn(vec![curve]) };
+        lay(&mesh, &settings).unwrap().warnings().to_vec()
+    };
+    let border = |ends| vec![WrinkleWarning::Border { ends }];
+    // High over the surface, and past its end by less than its thickness.
+    assert_eq!(said(vec![[-0.8, 0.7, 0.0], [0.8, 0.1, 0.1]]), []);
+    assert_eq!(said(vec![[-0.8, 0.1, 0.0], [1.09, 0.1, 0.1]]), []);
+    // Along the border.
+    assert_eq!(said(vec![[-0.8, 0.3, 1.0], [0.8, 0.3, 1.0]]), []);
+    assert_eq!(said(vec![[-0.8, 0.1, 0.0], [1.4, 0.1, 0.1]]), border(1));
+    assert_eq!(said(vec![[-1.4, 0.1, 0.0], [1.4, 0.1, 0.1]]), border(2));
+    // Over a corner, and out and in again.
+    assert_eq!(said(vec![[0.0, 0.1, 0.0], [1.5, 0.1, 1.5]]), border(1));
+    assert_eq!(said(vec![[0.0, 0.1, 0.5], [1.5, 0.1, 0.0], [0.0, 0.1, -0.5]]), border(1));
 }

@@ -96,7 +96,10 @@ pub(crate) fn lines(
         Pattern::Drawn(curves) => {
             for (index, drawn) in curves.iter().enumerate() {
                 match drawn::drop(ground, &drawn.at(seconds), index, settings, seconds, thickness) {
-                    Ok(line) => lines.list.push(line),
+                    Ok((line, passed)) => {
+                        lines.list.push(line);
+                        lines.cut += passed;
+                    }
                     // What is drawn for another place is refused; what goes there later is gone.
                     Err(WrinkleError::Collapsed { .. } | WrinkleError::TooFar { .. }) if seconds != 0.0 => {
                         lines.outside += 1;
