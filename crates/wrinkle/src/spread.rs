@@ -61,10 +61,13 @@ fn windows(count: usize, closed: bool, length: f64, width: f64) -> Vec<Window> {
     };
     let far = ((width / length * spans as f64).ceil() + 1.0).min(count as f64) as usize;
     let window = |i: usize| {
-        let (first, many) = match closed {
-            true if 2 * far + 1 >= count => (0, count),
-            true => ((i + count - far) % count, 2 * far + 1),
-            false => (i.saturating_sub(far), (i + far + 1).min(count) - i.saturating_sub(far)),
+        let (first, many) = if !closed {
+            let first = i.saturating_sub(far);
+            (first, (i + far + 1).min(count) - first)
+        } else if 2 * far + 1 >= count {
+            (0, count)
+        } else {
+            ((i + count - far) % count, 2 * far + 1)
         };
         let weight = |k: usize| {
             let j = (first + k) % count;
