@@ -6,10 +6,9 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::attributes::{copy_influence, largest_radius, same_influence};
-use crate::blend::{self, Sums};
 use crate::bound_wire::{BoundWire, UNBOUND, same_places};
+use crate::deform::{DeformTile, Scratch};
 use crate::influence::Measure;
-use crate::kernel::{Displacements, displace};
 use crate::mask::{self, Mask};
 use crate::runs::Runs;
 use crate::tiles::{TILE, Tile, Tiles};
@@ -81,9 +80,6 @@ pub struct Binding {
     /// Wires of a group are equally near when their distances differ by less.
     tie: f64,
 }
-
-/// Room for the wires of one tile.
-type Scratch = (Vec<Displacements>, Option<Box<Sums>>);
 
 thread_local! {
     /// Grows to what the busiest tile needs and stays, so that a frame allocates nothing.
@@ -231,9 +227,10 @@ impl Binding {
         }
         // Only now are the feet of all rivals known.
         for index in 0..wires.len() {
-            let group = self.wires[index].wire.group;
+            // Of most there is none, and no need to look at all others for each.
+            let Some(group) = self.wires[index].wire.group else { continue };
             let concerns = |other: &BoundWire| {
-                other.found_anew && group.is_some() && (other.wire.group == group || other.left == group)
+                other.found_anew && (other.wire.group == Some(group) || other.left == Some(group))
             };
             if self.wires.iter().any(concerns) {
                 self.sort_group(index);
@@ -293,125 +290,6 @@ fn check(wires: &[Wire]) -> Result<(), BindError> {
     wires.iter().enumerate().find_map(fault).map_or(Ok(()), Err)
 }
 
-/// Deforms one tile; compiled for the vector instructions the processor has.
-struct DeformTile<'a> {
-    bound: &'a [BoundWire],
-    wires: &'a [Wire],
-    blend: &'a Blend,
-    unit: f32,
-    index: usize,
-    tile: &'a Tile,
-    scratch: &'a mut Scratch,
-    out: &'a mut [[f32; 3]],
-}
-
-impl pulp::WithSimd for DeformTile<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let (displacements, sums) = self.scratch;
-        let mut used = 0;
-        for (bound, wire) in self.bound.iter().zip(self.wires) {
-            let Some(runs) = bound.runs.of_tile(self.index) else { continue };
-            // A wire that has not moved still anchors its surroundings in the local blend.
-            if bound.frame.still && self.blend.localize == 0.0 {
-                continue;
-            }
-            if displacements.len() == used {
-                displacements.push(Displacements::new());
-            }
-            let out = &mut displacements[used];
-            out.clear();
-            out.exponent = wire.exponent.unwrap_or(self.blend.exponent);
-            out.amplitude = wire.amplitude;
-            used += 1;
-            for run in &runs.list {
-                let cell = &bound.frame.cells[run.cell as usize];
-                let points = runs.points(run);
-                if !cell.still {
-                    displace(simd, self.tile, &bound.frame, cell, points, out);
-                } else if self.blend.localize != 0.0 {
-                    points.anchor(out);
-                }
-            }
-        }
-        let used = &mut displacements[..used];
-        if used.len() > 1 {
-            sums.get_or_insert_with(|| Box::new(Sums::new())).combine(simd, used, self.blend, self.unit);
-        }
-        blend::write(self.tile, used.first(), self.out);
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use pulp::WithSimd;
-
-    use super::*;
-    use crate::{Bend, Bounded, Closest, Correspondence, Curve, CurveKind, Domain, Locator};
-
-    /// Wires that take every road through search and kernel.
-    fn wires() -> Vec<Wire> {
-        let point = |i: u8, side: f32| {
-            let a = f32::from(i) * 0.7;
-            [a.cos() + 0.1 * f32::from(i), 0.2 * side * a.sin(), a.sin() * side]
-        };
-        let wire = |kind, closed, side| {
-            let curve = Curve::new(kind, closed, (0..7).map(|i| point(i, side)).collect()).unwrap();
-            let mut wire = Wire { scale: 1.3, twist: 0.4, radius: 1.1, ..Wire::new(curve) };
-            for (i, p) in wire.pose.iter_mut().enumerate() {
-                p[1] += 0.3 + 0.1 * i as f32;
-            }
-            wire
-        };
-        let mut bounded = wire(CurveKind::BSpline { degree: 3 }, false, 1.0);
-        let domain = Curve::polyline(vec![[-2.0, 0.3, 0.9], [2.0, 0.1, 0.9]]).unwrap();
-        bounded.domains = [Bounded::Influence, Bounded::Twist, Bounded::Scale]
-            .map(|bounds| Domain { bounds, delta: 0.3, ..Domain::new(domain.clone()) })
-            .to_vec();
-        bounded.direction = Some([0.1, 1.0, 0.3]);
-        let twist = |u, twist| Locator { u, twist: Some(twist), ..Locator::default() };
-        bounded.locators = vec![twist(0.2, 0.0), twist(0.7, 3.0)];
-        let blended =
-            Wire { closest: Closest::Blended(0.5), ..wire(CurveKind::BSpline { degree: 2 }, true, -1.0) };
-        let transported = Wire {
-            bend: Bend::Transport,
-            correspondence: Correspondence::ArcLength,
-            exponent: Some(-1.5),
-            ..wire(CurveKind::CatmullRom, false, 0.8)
-        };
-        vec![bounded, blended, transported, wire(CurveKind::Polyline, false, -0.6)]
-    }
-
-    #[test]
-    fn one_number_at_a_time_gives_the_same_bits() {
-        let wires = wires();
-        let points: Vec<[f32; 3]> = (0..50_u16 * 50)
-            .map(|i| [f32::from(i % 50) * 0.06 - 1.2, 0.05, f32::from(i / 50) * 0.06 - 1.5])
-            .collect();
-        let blend = Blend { crossing: 0.2, localize: 0.3, locality: 1.5, ..Blend::default() };
-        let mut binding = Binding::new(&wires, &points).unwrap();
-        let mut fast = points.clone();
-        binding.deform_into(&wires, &blend, &mut fast).unwrap();
-        assert!(points.iter().zip(&fast).filter(|(p, q)| p != q).count() > 1000);
-
-        let mut slow = points.clone();
-        let mut scratch: Scratch = (Vec::new(), None);
-        for (index, (tile, out)) in binding.tiles.list.iter().zip(slow.chunks_mut(TILE)).enumerate() {
-            let (bound, unit, scratch) = (&binding.wires[..], binding.unit, &mut scratch);
-            let task = DeformTile { bound, wires: &wires, blend: &blend, unit, index, tile, scratch, out };
-            task.with_simd(pulp::Scalar);
-        }
-        let bits = |points: &[[f32; 3]]| points.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
-        assert_eq!(bits(&fast), bits(&slow));
-        for bound in &binding.wires {
-            let sought = bound.bound().sought;
-            for (i, (tile, balls)) in binding.tiles.list.iter().zip(&binding.tiles.balls).enumerate() {
-                let count = (points.len() - i * TILE).min(TILE);
-                let [fast, slow] = [true, false].map(|fast| sought.both(tile, balls, count, fast));
-                assert_eq!(fast, slow, "tile {i}");
-            }
-        }
-    }
-}
+#[path = "bind_tests.rs"]
+mod tests;

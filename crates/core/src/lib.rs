@@ -33,6 +33,7 @@ mod bound_wire;
 mod cells;
 mod closest;
 mod curve;
+mod deform;
 mod density;
 mod domain;
 mod flood;

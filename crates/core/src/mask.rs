@@ -1,6 +1,7 @@
 //! Masks: what multiplies `F` of a wire at each point.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -39,13 +40,13 @@ impl Mask<'_> {
         }
     }
 
-    fn is(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Mask::Dense(a), Mask::Dense(b)) => std::ptr::eq(*a, *b),
-            (Mask::Sparse { points: a, factors: f }, Mask::Sparse { points: b, factors: g }) => {
-                std::ptr::eq(*a, *b) && std::ptr::eq(*f, *g)
+    /// What tells it from masks of other numbers: where these are, and how many.
+    fn identity(&self) -> [(usize, usize); 2] {
+        match self {
+            Mask::Dense(mask) => [(mask.as_ptr().addr(), mask.len()), (0, usize::MAX)],
+            Mask::Sparse { points, factors } => {
+                [(points.as_ptr().addr(), points.len()), (factors.as_ptr().addr(), factors.len())]
             }
-            _ => false,
         }
     }
 }
@@ -93,14 +94,10 @@ impl KeptMask {
 }
 
 /// Each of the masks kept once; wires often share one.
-pub(crate) fn keep<'a>(masks: &[Option<Mask<'a>>]) -> Vec<Option<Arc<KeptMask>>> {
-    let mut given: Vec<(Mask<'a>, Arc<KeptMask>)> = Vec::new();
-    let mut keep = |mask: Mask<'a>| {
-        if let Some((_, kept)) = given.iter().find(|(other, _)| other.is(&mask)) {
-            return Arc::clone(kept);
-        }
-        given.push((mask, Arc::new(KeptMask::new(mask))));
-        Arc::clone(&given[given.len() - 1].1)
+pub(crate) fn keep(masks: &[Option<Mask<'_>>]) -> Vec<Option<Arc<KeptMask>>> {
+    let mut given = HashMap::new();
+    let mut keep = |mask: Mask<'_>| {
+        Arc::clone(given.entry(mask.identity()).or_insert_with(|| Arc::new(KeptMask::new(mask))))
     };
     masks.iter().map(|mask| mask.map(&mut keep)).collect()
 }
@@ -141,5 +138,13 @@ mod tests {
         let kept: Vec<_> = kept.iter().map(Option::as_ref).collect();
         assert!(Arc::ptr_eq(kept[0].unwrap(), kept[3].unwrap()) && kept[1].is_none());
         assert!(!Arc::ptr_eq(kept[0].unwrap(), kept[2].unwrap()));
+        // The same points with other factors, and fewer of the same numbers, are other masks.
+        let points = [0, 1, 2];
+        let some = |count: usize, factors| Some(Mask::Sparse { points: &points[..count], factors });
+        let kept = keep(&[some(3, &a), some(3, &b), some(3, &[]), some(2, &a[..2]), some(3, &a)]);
+        let kept: Vec<_> = kept.iter().flatten().collect();
+        for (i, mask) in kept.iter().enumerate() {
+            assert_eq!(Arc::ptr_eq(kept[0], mask), i == 0 || i == 4, "{i}");
+        }
     }
 }

@@ -96,14 +96,8 @@ impl Terrain {
 
     /// All vertices at places, with the factors of these, rising.
     fn vertices(&self, places: &[u32], factors: &[f32], bits: &mut [u64]) -> Near {
-        let split = |&place: &u32| self.adjacency.split(place).iter().map(|(_, vertex)| *vertex);
         if !factors.is_empty() {
-            let all = |(&factor, place): (&f32, &u32)| {
-                let (factor, place) = (factor, *place);
-                std::iter::once(place)
-                    .chain(self.adjacency.split(place).iter().map(|(_, v)| *v))
-                    .map(move |v| (v, factor))
-            };
+            let all = |(&factor, &place): (&f32, &u32)| self.at_place(place).map(move |v| (v, factor));
             let mut all: Vec<(u32, f32)> = factors.iter().zip(places).flat_map(all).collect();
             all.sort_unstable_by_key(|(vertex, _)| *vertex);
             let (vertices, factors) = all.into_iter().unzip();
@@ -118,9 +112,8 @@ impl Terrain {
             (low, high) = (low.min(word), high.max(word + 1));
             count += 1;
         };
-        for place in places {
-            mark(*place);
-            split(place).for_each(&mut mark);
+        for &place in places {
+            self.at_place(place).for_each(&mut mark);
         }
         let mut vertices = Vec::with_capacity(count);
         for (word, bits) in bits.iter_mut().enumerate().take(high).skip(low) {

@@ -2,13 +2,15 @@
 
 use glam::DVec3;
 
-use crate::adjacency::{Adjacency, CROWDED};
+use crate::adjacency::{Adjacency, BORDER, CROWDED};
 use crate::smooth::{fan_normal, smooth_normals};
 use crate::vector::wide;
 use crate::{NearestError, SurfacePoint};
 
 /// A triangle of less than this part of its longest side squared has no direction.
 const SLIVER: f64 = 1e-12;
+/// A point is on an edge where the weight of the corner opposite is less: found in f32, it has so many digits.
+const ON_EDGE: f64 = 1e-6;
 /// Interpolated normals shorter than this have cancelled.
 const CANCELLED: f64 = 1e-3;
 
@@ -147,6 +149,21 @@ impl Terrain {
             .into_iter()
             .map(move |edge| self.adjacency.across(triangle, edge))
             .filter(|next| *next < CROWDED)
+    }
+
+    /// Whether a point of the surface lies on its border: on an edge that only one triangle has.
+    pub fn on_border(&self, step: &Step) -> bool {
+        let Some(corners) = self.adjacency.triangles.get(step.triangle as usize) else { return false };
+        let open = |triangle: u32, edge: usize| self.adjacency.across(triangle, edge) == BORDER;
+        // At a corner the edge may be that of another triangle.
+        if let Some(corner) = (0..3).find(|&k| step.weights[k] > 1.0 - ON_EDGE) {
+            let place = corners[corner];
+            return self.adjacency.fan(place).iter().any(|&triangle| {
+                let corners = self.adjacency.triangles[triangle as usize];
+                (0..3).any(|k| corners[k] == place && (open(triangle, k) || open(triangle, (k + 2) % 3)))
+            });
+        }
+        (0..3).any(|edge| step.weights[(edge + 2) % 3] < ON_EDGE && open(step.triangle, edge))
     }
 
     /// The shell of each vertex: those that faces connect have one number. A vertex without faces has [`u32::MAX`].

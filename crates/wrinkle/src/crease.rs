@@ -18,7 +18,7 @@ use wirework_surface::Step;
 
 use crate::fit::{interpolate, nodes};
 use crate::ground::{Anchor, Footing, Ground, wide};
-use crate::pattern::Line;
+use crate::pattern::{Fork, Line};
 
 /// The part of the height that may be lost because `R` leaves the surface.
 const LOSS: f64 = 0.01;
@@ -51,6 +51,8 @@ pub(crate) struct Crease {
     pub(crate) steps: Vec<Step>,
     /// Which crease of the pattern it is, or is a part of.
     pub(crate) index: usize,
+    /// What it branches off.
+    pub(crate) fork: Option<Fork>,
 }
 
 /// How fine creases are.
@@ -110,6 +112,7 @@ impl Crease {
             strength: line.strength,
             steps: line.trace.steps(ground),
             index: line.index,
+            fork: line.fork,
         })
     }
 
@@ -118,6 +121,14 @@ impl Crease {
         let footings: Option<Vec<Footing>> =
             self.anchors.iter().map(|anchor| ground.footing_on(anchor, positions)).collect();
         through(&footings?, self.reference.closed())
+    }
+
+    /// The place of a fraction of its length among its control points: a node, and the share of the way to the next.
+    pub(crate) fn place(&self, fraction: f64) -> (usize, f64) {
+        let nodes = nodes(self.lift.len().saturating_sub(2), false);
+        let next = nodes.partition_point(|&u| u <= fraction).clamp(1, nodes.len() - 1);
+        let (a, b) = (nodes[next - 1], nodes[next]);
+        (next - 1, ((fraction - a) / (b - a)).clamp(0.0, 1.0))
     }
 
     /// Whether it keeps to the surface and to its height between the nodes: where spans meet.

@@ -1,30 +1,28 @@
 //! All creases of a wrinkle, at any moment.
 
 use std::cell::RefCell;
-use std::collections::HashSet;
 use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
 use wirework_core::{Blend, Density, Keyed, Wire};
-use wirework_surface::{Near, NearBuffer, Step};
+use wirework_surface::{Near, NearBuffer};
 
 use crate::compression::Crests;
 use crate::crease::{Crease, Fineness, SPANS, SPANS_A_THICKNESS};
+use crate::doubts::{COARSE, apart, coarse};
 use crate::ground::{Ground, wide};
 use crate::height::{MIN_SPANS_VARYING, height};
-use crate::pattern::{Lines, Prepared, lines, prepare};
-use crate::ropes::Ropes;
+use crate::pattern::{Fork, Lines, Prepared, lines, prepare};
+use crate::ropes::{Hook, Ropes};
+use crate::spread::Spread;
 use crate::strain::{Gauges, Record};
-use crate::trace::position;
 use crate::{Motion, SurfaceView, Wrinkle, WrinkleError, WrinkleWarning};
 
 /// Spans of all creases together: seconds of work and some 30 MB of wires. More is a thickness by mistake.
 pub(crate) const MOST_SPANS: usize = 1 << 18;
 /// What lies near a crease is sought a little farther than it reaches, since `R` leaves its line a little.
 const NEAR: f64 = 1.06;
-/// Edges across a fold longer than this part of its thickness make it jagged.
-const COARSE: f64 = 1.0 / 3.0;
 
 thread_local! {
     /// Grows to the largest surface and stays, so that creases that travel do not ask for it in every frame.
@@ -88,8 +86,9 @@ pub fn creases(surface: &SurfaceView<'_>, settings: &Wrinkle) -> Result<Creases,
     creases.rest(surface.positions);
     creases.ropes = creases.ropes();
     creases.warnings = lines.warnings;
-    creases.warnings.extend(creases.coarse());
-    creases.warnings.extend(creases.apart(surface));
+    let (terrain, list) = (&creases.ground.terrain, &creases.list);
+    creases.warnings.extend(coarse(terrain, list, thickness));
+    creases.warnings.extend(apart(terrain, list, thickness, surface));
     Ok(creases)
 }
 
@@ -141,8 +140,9 @@ impl Creases {
     /// Tells the compression of the surface at equal steps, in seconds, from 0 s on; a single one holds at all times. Each is from
     /// [`Creases::compression`].
     pub fn record(&mut self, step: f64, readings: Vec<Vec<f32>>) {
-        let settle = self.settings.drive.map_or(0.0, |strain| f64::from(strain.settle));
-        self.record = Record::new(step, readings, settle);
+        let Some(strain) = self.settings.drive else { return };
+        let spread = Spread::new(&self.list, f64::from(self.thickness));
+        self.record = Record::new(step, readings, &strain, &spread);
     }
 
     /// The greatest compression across a crease that was told of, and when, seconds, where none is large enough to raise any.
@@ -208,7 +208,7 @@ impl Creases {
             wire.radius = radius;
             let hang = self.hang.get(index).map_or(&[][..], Vec::as_slice);
             let raised = |node: usize| match &settings.drive {
-                Some(strain) => self.record.raise(strain, seconds, first + node),
+                Some(_) => self.record.raise(seconds, first + node),
                 None => 1.0,
             };
             let full = |node: usize| match &self.crests {
@@ -305,58 +305,19 @@ impl Creases {
         let Motion::Curtain(curtain) = &self.settings.motion else { return None };
         let line = |crease: &Crease| crease.reference.points().iter().map(|p| wide(*p)).collect();
         let lines: Vec<Vec<DVec3>> = self.list.iter().map(line).collect();
-        Some(Ropes::new(&lines, curtain, self.settings.seed))
+        let hook = |crease: &Crease| {
+            let Fork { stem, at } = crease.fork?;
+            let (point, below) = self.list.get(stem)?.place(at);
+            Some(Hook { rope: stem, point, below })
+        };
+        let hooks: Vec<Option<Hook>> = self.list.iter().map(hook).collect();
+        Some(Ropes::new(&lines, &hooks, curtain, self.settings.seed))
     }
 
     fn gauges(&self) -> Option<Gauges> {
         let strain = self.settings.drive?;
         let radius = strain.radius.unwrap_or(2.0 * self.thickness);
         Some(Gauges::new(&self.ground, &self.list, f64::from(radius)))
-    }
-
-    /// Whether edges across the folds are too long to show them.
-    fn coarse(&self) -> Option<WrinkleWarning> {
-        let across = |crease: &Crease| {
-            let edges = crease.steps.windows(2).map(|pair| {
-                let along = (position(&pair[1]) - position(&pair[0])).normalize_or_zero();
-                let edges = self.ground.terrain.edges(pair[1].triangle).map(DVec3::from);
-                let mut across: Vec<f64> = edges.map(|e| (e - along * e.dot(along)).length()).collect();
-                across.sort_unstable_by(f64::total_cmp);
-                // The longest of a half of a square is its diagonal, beside which there is another corner.
-                across.get(1).copied().unwrap_or(0.0)
-            });
-            edges.fold(0.0, f64::max)
-        };
-        let edge = self.list.iter().map(across).fold(0.0, f64::max);
-        // Rounding of positions is no reason for a word.
-        let coarse = edge > f64::from(self.thickness) * COARSE * 1.001;
-        coarse.then_some(WrinkleWarning::Coarse { edge: edge as f32, thickness: self.thickness })
-    }
-
-    /// Whether parts of the surface that hang together with no crease are near one.
-    fn apart(&self, surface: &SurfaceView<'_>) -> Option<WrinkleWarning> {
-        let shells = self.ground.terrain.shells();
-        if shells.iter().all(|shell| *shell == shells[0]) {
-            return None;
-        }
-        let steps = || self.list.iter().flat_map(|crease| &crease.steps);
-        let corner =
-            |step: &Step| surface.triangles.get(step.triangle as usize).map(|t| shells[t[0] as usize]);
-        let own: HashSet<u32> = steps().filter_map(corner).collect();
-        let radius = f64::from(self.thickness);
-        let (low, high) = steps().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), step| {
-            (low.min(position(step) - radius), high.max(position(step) + radius))
-        });
-        let near = |p: DVec3| {
-            p.cmpge(low).all()
-                && p.cmple(high).all()
-                && steps().any(|step| position(step).distance(p) < radius)
-        };
-        let other = |shell: u32| shell != u32::MAX && !own.contains(&shell);
-        let points =
-            surface.positions.iter().zip(&shells).filter(|(p, shell)| other(**shell) && near(wide(**p)));
-        let points = points.count();
-        (points > 0).then_some(WrinkleWarning::Apart { points })
     }
 }
 

@@ -4,17 +4,7 @@ use wirework_surface::{Mesh, NearestError, cuboid, grid, sphere, tube};
 use wirework_core::{Curve, CurveKind};
 
 use super::*;
-
-fn lay(mesh: &Mesh, settings: &Wrinkle) -> Result<Creases, WrinkleError> {
-    let triangles = mesh.triangles().unwrap();
-    creases(&SurfaceView { positions: &mesh.positions, triangles: &triangles }, settings)
-}
-
-fn wires(creases: &Creases, seconds: f64) -> Vec<Wire> {
-    let mut wires = vec![];
-    creases.clone().wires_at(seconds, &mut wires);
-    wires
-}
+use crate::test_support::{lay, wires};
 
 fn wave() -> Curve {
     Curve::bspline(3, vec![[-0.8, 0.3, 0.0], [-0.3, 0.1, 0.6], [0.3, 0.3, -0.6], [0.8, 0.2, 0.0]]).unwrap()
@@ -167,32 +157,6 @@ fn stiffness_is_the_exponent_of_the_fold() {
         let settings = Wrinkle { stiffness, ..Wrinkle::drawn(vec![wave()]) };
         assert_eq!(wires(&lay(&mesh, &settings).unwrap(), 0.0)[0].density, Density::Fold(q));
     }
-}
-
-#[test]
-fn jitter_follows_its_seed_and_its_bounds() {
-    let mesh = grid([4.0; 2], [8, 8], [0.0, 1.0, 0.0]).unwrap();
-    let line = Curve::polyline(vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]).unwrap();
-    let with = |randomness, seed| {
-        let settings = Wrinkle { randomness, seed, ..Wrinkle::drawn(vec![line.clone(); 20]) };
-        wires(&lay(&mesh, &settings).unwrap(), 0.0)
-    };
-    assert_eq!(with(0.0, 1), with(0.0, 2));
-    assert_eq!(with(1.0, 1), with(1.0, 1));
-    let jittered = with(1.0, 3);
-    let mut extent = [(f32::INFINITY, f32::NEG_INFINITY); 4];
-    for wire in &jittered {
-        let (a, b) = (wire.reference.point(0.0), wire.reference.point(1.0));
-        let crest = wire.pose[0][1];
-        for (range, value) in extent.iter_mut().zip([a[2], crest, a[0], b[0]]) {
-            *range = (range.0.min(value), range.1.max(value));
-        }
-    }
-    let [side, height, start, end] = extent;
-    assert!(side.0 >= -0.0801 && side.0 < -0.02 && side.1 <= 0.0801 && side.1 > 0.02, "{side:?}");
-    assert!(height.0 >= 0.0249 && height.0 < 0.035 && height.1 <= 0.0501 && height.1 > 0.04, "{height:?}");
-    assert!(start.0 >= -1.0 && start.1 <= -0.499 && start.1 > -0.8, "{start:?}");
-    assert!(end.1 <= 1.0 && end.0 >= 0.499 && end.0 < 0.8, "{end:?}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::pattern::Line;
 use crate::random::{Jitter, unit};
 use crate::trace::{Trace, position};
 use crate::travel::{room, stop};
-use crate::{Motion, Wrinkle, WrinkleError};
+use crate::{Wrinkle, WrinkleError};
 
 /// Samples of a drawn curve: at least so many, for its shape, and at most, for the time it takes.
 const SAMPLES: std::ops::RangeInclusive<usize> = 65..=4097;
@@ -20,7 +20,10 @@ const COLLAPSED: f64 = 1e-3;
 /// Two neighbouring samples this many times farther apart than they were drawn have jumped over a part of the surface.
 pub(crate) const JUMP: f64 = 4.0;
 
-/// Drops curve number `index` onto the surface, jittered as the settings say.
+/// A curve may be drawn past a border by so many thicknesses, lest its crease end before that, without a word.
+const PAST: f64 = 2.0;
+
+/// Drops curve number `index` onto the surface, jittered as the settings say. Besides, how often it passes a border.
 pub(crate) fn drop(
     ground: &Ground,
     curve: &Curve,
@@ -28,7 +31,7 @@ pub(crate) fn drop(
     settings: &Wrinkle,
     seconds: f64,
     thickness: f32,
-) -> Result<Line, WrinkleError> {
+) -> Result<(Line, usize), WrinkleError> {
     let length = curve.length();
     let wanted = (length / thickness * SAMPLES_A_THICKNESS) as usize;
     let mut drawn: Vec<DVec3> =
@@ -45,12 +48,13 @@ pub(crate) fn drop(
     }
     let gap = f64::from(length) / (drawn.len() - 1) as f64;
     let mut points: Vec<Step> = drawn.iter().filter_map(|&p| ground.step(p)).collect();
+    let passed = passed(ground, &drawn, &points, PAST * f64::from(thickness));
     let random = f64::from(settings.randomness);
     let shift = random * f64::from(thickness) * (2.0 * unit(settings.seed, index, Jitter::Sideways) - 1.0);
     if shift != 0.0 {
         points = sideways(ground, &points, shift, curve.closed());
     }
-    let [along, across] = travelled(settings, seconds);
+    let [along, across] = settings.motion.velocity().map(|v| v * seconds);
     if across != 0.0 {
         points = travel(ground, &points, across, f64::from(thickness), curve.closed());
     }
@@ -69,15 +73,23 @@ pub(crate) fn drop(
     let strength = 1.0 - 0.5 * random * unit(settings.seed, index, Jitter::Height);
     // One fold by itself takes up what its own width lacks.
     let spacing = (2.0 * f64::from(thickness), 2.0 * f64::from(thickness));
-    Ok(Line { trace, closed: curve.closed(), range: (0.0, 1.0), strength, spacing, index })
+    let line =
+        Line { trace, closed: curve.closed(), range: (0.0, 1.0), strength, spacing, index, fork: None };
+    Ok((line, passed))
 }
 
-/// How far creases have gone along themselves and across.
-fn travelled(settings: &Wrinkle, seconds: f64) -> [f64; 2] {
-    match settings.motion {
-        Motion::Travelling { velocity } => velocity.map(|v| f64::from(v) * seconds),
-        _ => [0.0; 2],
-    }
+/// How often a drawn line leaves the surface: stretches of it whose feet on the surface lie on a border, farther than `far` beside them.
+fn passed(ground: &Ground, drawn: &[DVec3], feet: &[Step], far: f64) -> usize {
+    let beyond = |(p, foot): (&DVec3, &Step)| {
+        let off = *p - position(foot);
+        let beside = || ground.footing(foot).map_or(0.0, |f| (off - f.normal * off.dot(f.normal)).length());
+        off.length() > far && ground.terrain.on_border(foot) && beside() > far
+    };
+    let beyond: Vec<bool> = drawn.iter().zip(feet).map(beyond).collect();
+    let stretches = beyond.chunk_by(|a, b| a == b).filter(|stretch| stretch[0]).count();
+    // The last point of a closed line is its first.
+    let again = stretches > 1 && beyond[0] && drawn.first() == drawn.last();
+    stretches - usize::from(again)
 }
 
 /// The points gone across their line, each straight ahead over the surface and up to a border.
@@ -109,3 +121,7 @@ fn across(ground: &Ground, points: &[Step], i: usize, closed: bool) -> DVec3 {
     let normal = ground.footing(&points[i]).map_or(DVec3::ZERO, |f| f.normal);
     normal.cross(along).normalize_or_zero()
 }
+
+#[cfg(test)]
+#[path = "drawn_tests.rs"]
+mod tests;

@@ -159,6 +159,12 @@ pub enum WrinkleWarning {
         /// How many ends.
         ends: usize,
     },
+    /// Rings end where the geodesics that they are the ends of have parted.
+    #[error("geodesics from the center part, at a hole or a sharp rise, and rings end there {} [parted]", times(*ends))]
+    Parted {
+        /// How many ends.
+        ends: usize,
+    },
     /// The mesh is too coarse for the folds.
     #[error(
         "edges of {edge} are longer than a third of the thickness {thickness}: folds come out jagged; use a finer mesh, a larger `thickness`, or `refine: Auto` [coarse]"

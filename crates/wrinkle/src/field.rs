@@ -11,6 +11,7 @@ use wirework_core::{Curve, CurveKind};
 use wirework_surface::{NearBuffer, Step, Terrain, Walker};
 
 use crate::ground::wide;
+use crate::strain::COLLAPSED;
 use crate::{Pattern, SurfaceView, Wrinkle, WrinkleError};
 
 /// Steps of a line in the length of a thickness, and how far it may turn in one, radians: a fold as thick as that cannot turn faster.
@@ -56,11 +57,14 @@ impl Facet {
         inverse.is_finite().then_some(Self { axes: [x, y], inverse, area: e.cross(f).length() / 2.0 })
     }
 
-    /// `FᵀF − I` where its corners have moved.
-    fn strain(&self, corners: [DVec3; 3]) -> DMat2 {
+    /// `FᵀF − I` where its corners have moved; none where they are no numbers, or it has collapsed.
+    fn strain(&self, corners: [DVec3; 3]) -> Option<DMat2> {
         let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
         let metric = DMat2::from_cols_array(&[e.dot(e), e.dot(f), e.dot(f), f.dot(f)]);
-        self.inverse.transpose() * metric * self.inverse - DMat2::IDENTITY
+        let strain = self.inverse.transpose() * metric * self.inverse - DMat2::IDENTITY;
+        // What is left of the length where it is shortest, squared. NaN is not greater.
+        let left = 1.0 - largest(-strain).0;
+        (left > f64::from(COLLAPSED * COLLAPSED)).then_some(strain)
     }
 }
 
@@ -84,9 +88,9 @@ impl Field {
         }
         let strain = |(triangle, facet): (usize, &Option<Facet>)| {
             let corners = self.terrain.places_of(triangle as u32).map(|place| wide(now[place as usize]));
-            facet.as_ref().map_or(DMat2::ZERO, |facet| facet.strain(corners))
+            facet.as_ref()?.strain(corners)
         };
-        let strains: Vec<DMat2> = self.facets.par_iter().enumerate().map(strain).collect();
+        let strains: Vec<Option<DMat2>> = self.facets.par_iter().enumerate().map(strain).collect();
         let (terrain, facets) = (&self.terrain, &self.facets);
         self.peaks.par_iter_mut().enumerate().with_min_len(256).for_each(|(place, peak)| {
             if let Some(found) = compression(terrain, facets, &strains, place as u32)
@@ -143,22 +147,24 @@ impl Field {
     }
 }
 
-/// The compression at a place, and its direction; none without faces.
+/// The compression at a place, and its direction; none without faces whose strain is known.
 fn compression(
     terrain: &Terrain,
     facets: &[Option<Facet>],
-    strains: &[DMat2],
+    strains: &[Option<DMat2>],
     place: u32,
 ) -> Option<(f32, [f32; 3])> {
     let normal = DVec3::from(terrain.normal_of_vertex(place)?);
     let (a, b) = normal.any_orthonormal_pair();
     let (mut sum, mut area) = (DMat2::ZERO, 0.0);
     for &triangle in terrain.fan(place) {
-        let Some(facet) = &facets[triangle as usize] else { continue };
+        let (Some(facet), Some(strain)) = (&facets[triangle as usize], strains[triangle as usize]) else {
+            continue;
+        };
         // Its axes, seen along the normal of the place.
         let [x, y] = facet.axes.map(|axis| DVec2::new(axis.dot(a), axis.dot(b)));
         let turn = DMat2::from_cols(x, y);
-        sum += turn * strains[triangle as usize] * turn.transpose() * facet.area;
+        sum += turn * strain * turn.transpose() * facet.area;
         area += facet.area;
     }
     if area <= 0.0 {

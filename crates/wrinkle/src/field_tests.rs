@@ -96,3 +96,17 @@ fn a_bending_arm_gets_its_lines_inside_the_elbow() {
     }
     assert!(coarse.len().abs_diff(fine.len()) <= 1);
 }
+
+#[test]
+fn triangles_that_are_no_numbers_or_have_collapsed_say_nothing() {
+    let mesh = grid([2.0, 2.0], [20, 20], [0.0, 1.0, 0.0]).unwrap();
+    let lost = |[x, y, z]: [f32; 3]| [if x > 0.0 { f32::NAN } else { x }, y, z];
+    let hidden = |p: [f32; 3]| if p[0] > 0.0 { [0.3; 3] } else { p };
+    let all_lost = |_: [f32; 3]| [f32::INFINITY; 3];
+    let field = field(&mesh, &[&lost, &all_lost, &|_| [0.1; 3]]);
+    assert!(field.peaks.iter().all(|(compression, _)| *compression < 1e-5));
+    // Those between what is hidden and what is not are pulled long, and thin.
+    let field = self::field(&mesh, &[&hidden]);
+    let inside = mesh.positions.iter().zip(&field.peaks).filter(|(p, _)| p[0] > 0.15 || p[0] < -0.05);
+    assert!(inside.into_iter().all(|(_, (compression, _))| *compression < 1e-5));
+}

@@ -31,6 +31,7 @@ mod compression;
 mod crease;
 mod creases;
 mod curtain;
+mod doubts;
 mod drawn;
 mod error;
 mod field;
@@ -45,6 +46,7 @@ mod ripple;
 mod rope;
 mod ropes;
 mod settings;
+mod spread;
 mod strain;
 mod tangential;
 mod trace;
@@ -60,3 +62,5 @@ pub use strain::Strain;
 
 #[cfg(test)]
 mod patterns_tests;
+#[cfg(test)]
+mod test_support;

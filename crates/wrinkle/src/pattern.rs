@@ -5,7 +5,7 @@ use wirework_surface::{Stop, Walker};
 use crate::ground::{Ground, MOST_CROSSINGS, wide};
 use crate::ripple::Rays;
 use crate::trace::Trace;
-use crate::{Layout, Motion, Pattern, Wrinkle, WrinkleError, WrinkleWarning, drawn, radial, tangential};
+use crate::{Layout, Pattern, Wrinkle, WrinkleError, WrinkleWarning, drawn, radial, tangential};
 
 /// The part of a crease that may be missing without a word: less than anyone sees.
 const SHORT: f64 = 1e-3;
@@ -23,6 +23,17 @@ pub(crate) struct Line {
     pub(crate) spacing: (f64, f64),
     /// Which crease of the pattern it is, or is a part of.
     pub(crate) index: usize,
+    /// What it branches off.
+    pub(crate) fork: Option<Fork>,
+}
+
+/// Where a branch leaves its stem.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fork {
+    /// The stem's number among all lines; less than the branch's.
+    pub(crate) stem: usize,
+    /// The part of the stem's length up to there.
+    pub(crate) at: f64,
 }
 
 /// All lines of a moment, and what is to be said of them.
@@ -36,6 +47,8 @@ pub(crate) struct Lines {
     pub(crate) cut: usize,
     /// Ends of creases that a non-manifold edge cut.
     pub(crate) crowded: usize,
+    /// Ends of rings between geodesics that have parted.
+    pub(crate) parted: usize,
 }
 
 /// What is prepared once.
@@ -58,12 +71,8 @@ pub(crate) fn prepare(ground: &Ground, settings: &Wrinkle, thickness: f32) -> Re
 
 /// Refuses lines that would wind round the surface for ever. Rings do not walk once their rays have.
 fn check_walks(ground: &Ground, settings: &Wrinkle, seconds: f64) -> Result<(), WrinkleError> {
-    let way = match settings.motion {
-        Motion::Travelling { velocity: [along, across] } => {
-            f64::from(along).hypot(f64::from(across)) * seconds
-        }
-        Motion::Anchored | Motion::Curtain(_) => 0.0,
-    };
+    let [along, across] = settings.motion.velocity();
+    let way = along.hypot(across) * seconds;
     let length = match &settings.pattern {
         Pattern::Drawn(_) | Pattern::Auto { .. } => 0.0,
         Pattern::Tangential(layout) => f64::from(layout.size[0].max(layout.size[1])),
@@ -87,7 +96,10 @@ pub(crate) fn lines(
         Pattern::Drawn(curves) => {
             for (index, drawn) in curves.iter().enumerate() {
                 match drawn::drop(ground, &drawn.at(seconds), index, settings, seconds, thickness) {
-                    Ok(line) => lines.list.push(line),
+                    Ok((line, passed)) => {
+                        lines.list.push(line);
+                        lines.cut += passed;
+                    }
                     // What is drawn for another place is refused; what goes there later is gone.
                     Err(WrinkleError::Collapsed { .. } | WrinkleError::TooFar { .. }) if seconds != 0.0 => {
                         lines.outside += 1;
@@ -148,6 +160,9 @@ impl Lines {
         }
         if self.crowded > 0 {
             self.warnings.push(WrinkleWarning::NonManifold { ends: self.crowded });
+        }
+        if self.parted > 0 {
+            self.warnings.push(WrinkleWarning::Parted { ends: self.parted });
         }
         Ok(self)
     }

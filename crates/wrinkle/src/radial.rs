@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use wirework_surface::Walker;
 
-use crate::pattern::{Line, Lines};
+use crate::pattern::{Fork, Line, Lines};
 use crate::random::{Jitter, unit};
 use crate::trace::Trace;
 use crate::travel::{room, stop};
-use crate::{Branches, Layout, Motion, Wrinkle};
+use crate::{Branches, Layout, Wrinkle};
 
 /// Where creases begin, in parts of the thickness and of their length, the lesser: all of them in one point would be a
 /// spike of many wires.
@@ -46,14 +46,16 @@ pub(crate) fn lay(
         walker.turn(step * (index as f64 + askew));
         let trim = |what| SHORTER * random * unit(settings.seed, index, what) * outer;
         let range = (inner + trim(Jitter::Start), outer - trim(Jitter::End));
-        laying.stem(&walker, range, 0.0, index, 0);
+        laying.stem(&walker, range, Start { origin: 0.0, index, depth: 0, fork: None });
     }
 }
 
 /// The centre slides over the surface, and stops at a border.
 fn travel(center: &mut Walker<'_>, settings: &Wrinkle, seconds: f64, thickness: f64) {
-    let Motion::Travelling { velocity: [along, across] } = settings.motion else { return };
-    let (along, across) = (f64::from(along), f64::from(across));
+    let [along, across] = settings.motion.velocity();
+    if [along, across] == [0.0; 2] {
+        return;
+    }
     let (way, angle) = (along.hypot(across) * seconds, across.atan2(along));
     center.turn(angle);
     center.walk(stop(way, room(center, way, thickness), thickness), |_, _| {});
@@ -71,9 +73,21 @@ struct Laying<'a> {
     lines: &'a mut Lines,
 }
 
+/// Where a crease starts.
+#[derive(Clone, Copy)]
+struct Start {
+    /// The way from the centre.
+    origin: f64,
+    index: usize,
+    /// How often it has branched before.
+    depth: u32,
+    fork: Option<Fork>,
+}
+
 impl Laying<'_> {
-    /// A crease straight ahead over a range of ways from a walker, who is `origin` away from the centre, and its branches.
-    fn stem(&mut self, walker: &Walker<'_>, range: (f64, f64), origin: f64, index: usize, depth: u32) {
+    /// A crease straight ahead over a range of ways from a walker, and its branches.
+    fn stem(&mut self, walker: &Walker<'_>, range: (f64, f64), start: Start) {
+        let Start { origin, index, depth, fork } = start;
         let walked = Trace::straight(walker, range);
         if walked.trace.length() < COLLAPSED * self.outer {
             self.lines.outside += usize::from(depth == 0);
@@ -81,6 +95,7 @@ impl Laying<'_> {
         }
         self.lines.note(walked.stops.1, range.1 - walked.range.1, self.outer);
         let random = f64::from(self.settings.randomness);
+        let stem = self.lines.list.len();
         let ends = (origin + walked.range.0, origin + walked.range.1);
         self.lines.list.push(Line {
             trace: walked.trace,
@@ -89,16 +104,19 @@ impl Laying<'_> {
             strength: 1.0 - 0.5 * random * unit(self.settings.seed, index, Jitter::Height),
             spacing: (ends.0 * self.step, ends.1 * self.step),
             index,
+            fork,
         });
         if depth < self.branches.depth {
             for branch in 0..self.branches.count {
-                self.branch(walker, walked.range.1, origin, branch, depth);
+                let fork = Some(Fork { stem, at: 0.0 });
+                self.branch(walker, walked.range, branch, Start { depth: depth + 1, fork, ..start });
             }
         }
     }
 
-    /// Branch number `branch` of a stem as long as `length`: left and right in turn, equally spread.
-    fn branch(&mut self, stem: &Walker<'_>, length: f64, origin: f64, branch: u32, depth: u32) {
+    /// Branch number `branch` of a stem over a range of ways from a walker: left and right in turn, equally spread.
+    fn branch(&mut self, stem: &Walker<'_>, range: (f64, f64), branch: u32, start: Start) {
+        let length = range.1;
         let index = self.next;
         self.next += 1;
         let random = f64::from(self.settings.randomness);
@@ -110,6 +128,13 @@ impl Laying<'_> {
         walker.walk(place * length, |_, _| {});
         walker.turn(side * (FORK.0 + FORK.1 * jitter(Jitter::Askew)));
         let left = (1.0 - place) * length * BRANCH;
-        self.stem(&walker, (0.0, left), origin + place * length, index, depth + 1);
+        let at = ((place * length - range.0) / (length - range.0)).clamp(0.0, 1.0);
+        let fork = start.fork.map(|fork| Fork { at, ..fork });
+        let origin = start.origin + place * length;
+        self.stem(&walker, (0.0, left), Start { origin, index, fork, ..start });
     }
 }
+
+#[cfg(test)]
+#[path = "radial_tests.rs"]
+mod tests;

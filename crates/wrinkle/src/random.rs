@@ -54,6 +54,7 @@ mod tests {
         assert_ne!(unit(7, 0, Jitter::Start), unit(7, 0, Jitter::End));
         assert_ne!(unit(7, 0, Jitter::Start), unit(8, 0, Jitter::Start));
     }
+
     #[test]
     fn noise_is_smooth_and_takes_all_values() {
         let noise = |x: f64| smooth(3, 5, Jitter::Gust, x);

@@ -54,6 +54,16 @@ impl Ray {
         self.lengths.last().copied().unwrap_or(0.0)
     }
 
+    /// Why a ring of a radius ends beside it.
+    fn end_at(&self, radius: f64) -> End {
+        match self.stop {
+            // It goes on, elsewhere; or it was given up, far beyond all that belongs together.
+            Stop::Arrived => End::Parted,
+            _ if self.length() >= radius => End::Parted,
+            stop => End::Stopped(stop),
+        }
+    }
+
     fn end(&self) -> Option<&Step> {
         self.steps.last()
     }
@@ -73,6 +83,22 @@ impl Ray {
         let p = position(&self.steps[next - 1]).lerp(position(&self.steps[next]), x);
         ground.terrain.within(self.steps[next].triangle, p.to_array()).or_else(|| ground.step(p))
     }
+}
+
+/// A part of a ring.
+struct Arc {
+    points: Vec<Step>,
+    /// Why it ends on either side; none where it is the whole.
+    ends: Option<[End; 2]>,
+}
+
+/// Why a ring ends.
+#[derive(Clone, Copy)]
+enum End {
+    /// The next ray has come to its end before.
+    Stopped(Stop),
+    /// The next ray is somewhere else.
+    Parted,
 }
 
 /// A ring at a moment.
@@ -119,11 +145,15 @@ impl Rays {
             let before = lines.list.len();
             let radius = ring.radius.max(LEAST * thickness);
             let gap = (radius * TAU / self.list.len() as f64 * PARTED).max(thickness);
-            for (arc, closed) in self.arcs(ground, radius, gap) {
-                if !closed {
-                    lines.note(Stop::Border, radius, radius);
+            for Arc { points, ends } in self.arcs(ground, radius, gap) {
+                let closed = ends.is_none();
+                for end in ends.iter().flatten() {
+                    match *end {
+                        End::Stopped(stop) => lines.note(stop, radius, radius),
+                        End::Parted => lines.parted += 1,
+                    }
                 }
-                let trace = Trace::along(ground, &arc, gap);
+                let trace = Trace::along(ground, &points, gap);
                 if trace.length() > 0.0 {
                     let fraction = ring.radius / outer;
                     lines.list.push(Line {
@@ -133,6 +163,7 @@ impl Rays {
                         strength: ring.strength,
                         spacing: (spacing, spacing),
                         index,
+                        fork: None,
                     });
                 }
             }
@@ -141,7 +172,7 @@ impl Rays {
     }
 
     /// The points of a ring, in one closed piece whose last point is its first, or in several where rays end before it or part.
-    fn arcs(&self, ground: &Ground, radius: f64, gap: f64) -> Vec<(Vec<Step>, bool)> {
+    fn arcs(&self, ground: &Ground, radius: f64, gap: f64) -> Vec<Arc> {
         let count = self.list.len();
         let points: Vec<Option<Step>> = self.list.iter().map(|ray| ray.at(ground, radius)).collect();
         let joined = |i: usize| match (&points[i], &points[(i + 1) % count]) {
@@ -150,18 +181,24 @@ impl Rays {
         };
         let Some(parted) = (0..count).find(|&i| !joined(i)) else {
             let first = points[0];
-            return vec![(points.into_iter().chain([first]).flatten().collect(), true)];
+            let points = points.into_iter().chain([first]).flatten().collect();
+            return vec![Arc { points, ends: None }];
         };
         let (mut arcs, mut arc) = (Vec::new(), Vec::new());
+        let mut start = End::Parted;
         for i in (parted + 1..=parted + count).map(|i| i % count) {
             let Some(point) = points[i] else { continue };
             if arc.is_empty() {
-                arc.extend(self.border(ground, i, (i + count - 1) % count, radius));
+                let before = (i + count - 1) % count;
+                start = self.list[before].end_at(radius);
+                arc.extend(self.border(ground, i, before, radius));
             }
             arc.push(point);
             if !joined(i) {
-                arc.extend(self.border(ground, i, (i + 1) % count, radius));
-                arcs.push((std::mem::take(&mut arc), false));
+                let after = (i + 1) % count;
+                arc.extend(self.border(ground, i, after, radius));
+                let ends = Some([start, self.list[after].end_at(radius)]);
+                arcs.push(Arc { points: std::mem::take(&mut arc), ends });
             }
         }
         arcs
@@ -216,3 +253,7 @@ fn rings(layout: &Layout, settings: &Wrinkle, seconds: f64) -> Vec<Ring> {
 fn travels(settings: &Wrinkle) -> bool {
     matches!(settings.motion, Motion::Travelling { .. })
 }
+
+#[cfg(test)]
+#[path = "ripple_tests.rs"]
+mod tests;

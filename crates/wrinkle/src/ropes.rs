@@ -19,8 +19,25 @@ const CLOSEST: f64 = 1.0 / 256.0;
 /// moment does not depend on what was asked for before.
 #[derive(Clone, Debug)]
 pub(crate) struct Ropes {
-    ropes: Vec<Hung>,
+    trees: Vec<Tree>,
     forces: Forces,
+}
+
+/// A rope that hangs from a rail, or stays, and those that hang from it, each behind the one it hangs from.
+#[derive(Clone, Debug)]
+struct Tree {
+    ropes: Vec<Hung>,
+    /// Steps they have made.
+    steps: u64,
+}
+
+/// What a rope hangs from where that is another, one of those before it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hook {
+    pub(crate) rope: usize,
+    /// The share `below` of the way from its given point `point` to the next.
+    pub(crate) point: usize,
+    pub(crate) below: f64,
 }
 
 /// What all ropes feel.
@@ -37,15 +54,22 @@ struct Forces {
 #[derive(Clone, Debug)]
 struct Hung {
     rope: Rope,
-    top: Keyed<Place>,
-    /// Where `top` is at 0 s.
-    start: DVec3,
+    top: Top,
     carried: Vec<Carried>,
     /// Which rope, for its gusts.
     index: usize,
-    /// Steps it has made.
-    steps: u64,
+    /// Where the nodes are at the moment, and how far the given points have moved.
     nodes: Vec<DVec3>,
+    moved: Vec<DVec3>,
+}
+
+/// What the top of a rope follows.
+#[derive(Clone, Debug)]
+enum Top {
+    /// A way, and where that is at 0 s.
+    Rail(Keyed<Place>, DVec3),
+    /// A rope of its tree, by its number there.
+    Rope(Hook),
 }
 
 /// A given point: the share `below` of the way from node `node` to the next.
@@ -66,68 +90,118 @@ impl Interpolate for Place {
 }
 
 impl Ropes {
-    /// Ropes at rest along lines of points, each from its top to its free end. `seed` is that of the gusts.
-    pub(crate) fn new(lines: &[Vec<DVec3>], curtain: &Curtain, seed: u64) -> Self {
-        let stiffness = f64::from(curtain.stiffness);
-        let hang =
-            |(index, line): (usize, &Vec<DVec3>)| Hung::new(line, index, curtain.rail.as_ref(), stiffness);
+    /// Ropes at rest along lines of points, each from its top to its free end; those with a hook, where there is one for them, hang
+    /// from the rope before them that it names. `seed` is that of the gusts.
+    pub(crate) fn new(lines: &[Vec<DVec3>], hooks: &[Option<Hook>], curtain: &Curtain, seed: u64) -> Self {
+        let mut trees: Vec<Tree> = Vec::new();
+        let mut root = 0;
+        for (index, line) in lines.iter().enumerate() {
+            let first = line.first().copied().unwrap_or_default();
+            // Ropes are in the order in which they branch.
+            let hook = hooks.get(index).copied().flatten().filter(|hook| (root..index).contains(&hook.rope));
+            let top = match hook {
+                Some(hook) => Top::Rope(Hook { rope: hook.rope - root, ..hook }),
+                None => Top::rail(curtain.rail.as_ref(), first),
+            };
+            let hung = Hung::new(line, index, top, f64::from(curtain.stiffness));
+            match trees.last_mut() {
+                Some(tree) if hook.is_some() => tree.ropes.push(hung),
+                _ => {
+                    root = index;
+                    trees.push(Tree { ropes: vec![hung], steps: 0 });
+                }
+            }
+        }
         let forces = Forces {
             gravity: wide(curtain.gravity),
             damping: f64::from(curtain.damping),
             wind: Wind::new(curtain, seed),
             settle: (f64::from(curtain.settle) * f64::from(RATE)).round() as u64,
         };
-        Self { ropes: lines.iter().enumerate().map(hang).collect(), forces }
+        Self { trees, forces }
     }
 
     /// How far the given points are from where they were given, at `seconds`; before 0 s as at 0 s, after [`LAST`] as then.
     pub(crate) fn at(&mut self, seconds: f64, out: &mut Vec<Vec<DVec3>>) {
         let seconds = if seconds > 0.0 { seconds.min(LAST) } else { 0.0 };
-        out.resize_with(self.ropes.len(), Vec::new);
         let forces = &self.forces;
-        self.ropes.par_iter_mut().zip(out).for_each(|(rope, out)| rope.at(seconds, forces, out));
+        self.trees.par_iter_mut().for_each(|tree| tree.at(seconds, forces));
+        out.resize_with(self.trees.iter().map(|tree| tree.ropes.len()).sum(), Vec::new);
+        let ropes = self.trees.iter().flat_map(|tree| &tree.ropes);
+        ropes.zip(out).for_each(|(rope, out)| out.clone_from(&rope.moved));
     }
 }
 
-impl Hung {
-    fn new(line: &[DVec3], index: usize, rail: Option<&Rail>, stiffness: f64) -> Self {
-        let first = line.first().copied().unwrap_or_default();
-        let relative: Vec<DVec3> = line.iter().map(|point| *point - first).collect();
-        let (nodes, carried) = strung(&relative);
-        let top = rail.map_or(Keyed::Constant(Place(DVec3::ZERO)), |rail| track(rail, first));
-        let (start, rope) = (top.at(0.0).0, Rope::new(nodes, stiffness));
-        Self { rope, top, start, carried, index, steps: 0, nodes: Vec::new() }
-    }
-
-    fn at(&mut self, seconds: f64, forces: &Forces, out: &mut Vec<DVec3>) {
+impl Tree {
+    fn at(&mut self, seconds: f64, forces: &Forces) {
         let exact = seconds * f64::from(RATE);
         let whole = exact.floor();
         // The step after, so that the moment lies between two.
         let wanted = forces.settle + whole as u64 + 1;
         if wanted < self.steps {
-            self.rope.restart();
+            self.ropes.iter_mut().for_each(|hung| hung.rope.restart());
             self.steps = 0;
         }
         while self.steps < wanted {
             self.steps += 1;
             let now = (self.steps as f64 - forces.settle as f64) / f64::from(RATE);
-            let acceleration = forces.gravity + forces.wind.at(now, self.index);
-            let top = self.top(now);
-            self.rope.step(top, acceleration, forces.damping);
+            self.each(|hung, before| {
+                let top = hung.top.at(now, |rope, point| before[rope].carry(&before[rope].rope.nodes, point));
+                let acceleration = forces.gravity + forces.wind.at(now, hung.index);
+                hung.rope.step(top, acceleration, forces.damping);
+            });
         }
-        let top = self.top(seconds);
-        self.rope.between(exact - whole, top, &mut self.nodes);
-        let moved = |node: usize| self.nodes[node] - self.rope.rest[node];
-        out.clear();
-        out.extend(self.carried.iter().map(|carried| {
-            let above = moved(carried.node);
-            if carried.below > 0.0 { above.lerp(moved(carried.node + 1), carried.below) } else { above }
-        }));
+        self.each(|hung, before| {
+            let top = hung.top.at(seconds, |rope, point| before[rope].carry(&before[rope].nodes, point));
+            hung.rope.between(exact - whole, top, &mut hung.nodes);
+            let mut moved = std::mem::take(&mut hung.moved);
+            moved.clear();
+            moved.extend((0..hung.carried.len()).map(|point| hung.carry(&hung.nodes, point)));
+            hung.moved = moved;
+        });
     }
 
-    /// How far the top is from where it is at 0 s.
-    fn top(&self, seconds: f64) -> DVec3 {
-        self.top.at(seconds.max(0.0)).0 - self.start
+    /// Each rope after those it hangs from, which are given with it.
+    fn each(&mut self, work: impl Fn(&mut Hung, &[Hung])) {
+        for i in 0..self.ropes.len() {
+            let (before, from) = self.ropes.split_at_mut(i);
+            work(&mut from[0], before);
+        }
+    }
+}
+
+impl Hung {
+    fn new(line: &[DVec3], index: usize, top: Top, stiffness: f64) -> Self {
+        let first = line.first().copied().unwrap_or_default();
+        let relative: Vec<DVec3> = line.iter().map(|point| *point - first).collect();
+        let (nodes, carried) = strung(&relative);
+        let rope = Rope::new(nodes, stiffness);
+        Self { rope, top, carried, index, nodes: Vec::new(), moved: Vec::new() }
+    }
+
+    /// How far a given point has moved where the nodes are at `nodes`.
+    fn carry(&self, nodes: &[DVec3], point: usize) -> DVec3 {
+        let Some(&Carried { node, below }) = self.carried.get(point) else { return DVec3::ZERO };
+        let moved = |node: usize| nodes[node] - self.rope.rest[node];
+        if below > 0.0 { moved(node).lerp(moved(node + 1), below) } else { moved(node) }
+    }
+}
+
+impl Top {
+    fn rail(rail: Option<&Rail>, top: DVec3) -> Self {
+        let way = rail.map_or(Keyed::Constant(Place(DVec3::ZERO)), |rail| track(rail, top));
+        let start = way.at(0.0).0;
+        Self::Rail(way, start)
+    }
+
+    /// How far it is from where it is at 0 s; `carry` tells how far a given point of a rope has moved.
+    fn at(&self, seconds: f64, carry: impl Fn(usize, usize) -> DVec3) -> DVec3 {
+        match self {
+            Self::Rail(way, start) => way.at(seconds.max(0.0)).0 - *start,
+            Self::Rope(Hook { rope, point, below }) => {
+                carry(*rope, *point).lerp(carry(*rope, *point + 1), *below)
+            }
+        }
     }
 }
 

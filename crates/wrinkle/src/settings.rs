@@ -106,8 +106,18 @@ pub enum Motion {
         velocity: [f32; 2],
     },
     /// Their references stay, and the wires hang from their origins as ropes: \[SF98\] Figure 16. `intensity` lifts them off the
-    /// surface besides. Not for closed creases.
+    /// surface besides. Branches hang from their stems, without pulling at them. Not for closed creases.
     Curtain(Box<Curtain>),
+}
+
+impl Motion {
+    /// How fast creases travel along and across; what does not travel has no velocity.
+    pub(crate) fn velocity(&self) -> [f64; 2] {
+        match self {
+            Self::Travelling { velocity } => velocity.map(f64::from),
+            Self::Anchored | Self::Curtain(_) => [0.0; 2],
+        }
+    }
 }
 
 impl From<Curve> for Drawn {
@@ -258,11 +268,8 @@ impl Wrinkle {
     pub fn moves(&self) -> bool {
         let keyed =
             |drawn: &Drawn| drawn.points.as_ref().is_some_and(|points| points.values().nth(1).is_some());
-        let travels = match self.motion {
-            Motion::Travelling { velocity } => velocity != [0.0; 2],
-            Motion::Anchored | Motion::Curtain(_) => false,
-        };
-        travels || matches!(&self.pattern, Pattern::Drawn(curves) if curves.iter().any(keyed))
+        self.motion.velocity() != [0.0; 2]
+            || matches!(&self.pattern, Pattern::Drawn(curves) if curves.iter().any(keyed))
     }
 
     /// Whether the height varies along a crease at any time.

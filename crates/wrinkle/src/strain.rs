@@ -13,8 +13,10 @@ use wirework_surface::Terrain;
 use crate::WrinkleError;
 use crate::crease::Crease;
 use crate::ground::{Ground, wide};
+use crate::spread::Spread;
 
-/// How compression raises creases.
+/// How compression raises creases. However short the stretch that is compressed, a fold rises and fades along its crease over about its
+/// thickness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strain {
     /// The part of its length that the surface loses across a crease when that begins to rise, 0 or greater. Default 0.02.
@@ -77,7 +79,13 @@ struct Strand {
     along: [f32; 2],
     /// Its part of the mean, over its length at rest once that is known.
     weight: f32,
+    /// Its part of the mean.
+    share: f32,
 }
+
+/// A triangle of which less than this part of its length is left has collapsed: parts of a model are hidden by scaling them to nothing,
+/// and no cloth is pushed together so far. It says nothing of compression.
+pub(crate) const COLLAPSED: f32 = 1e-3;
 
 /// Triangles that a gauge looks at, at most: of more, some of all distances stand for the others. With 128 an arm of twice as many
 /// triangles a way had folds 8 % of their height off those of the coarser one; looked at whole, 0.8 %.
@@ -133,7 +141,7 @@ impl Gauge {
             let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
             if let Some(along) = along(corners, across) {
                 let weight = (kernel.max(1e-6) * area) as f32;
-                strands.push(Strand { corners: terrain.places_of(triangle), along, weight });
+                strands.push(Strand { corners: terrain.places_of(triangle), along, weight, share: 0.0 });
             }
             for next in terrain.neighbours(triangle) {
                 if seen.len() < MOST_SEEN && seen.insert(next) {
@@ -151,21 +159,29 @@ impl Gauge {
 
     fn against(&mut self, rest: &[[f32; 3]]) {
         for strand in &mut self.0 {
-            strand.weight = match strand.length(rest) {
-                length if length > 0.0 => strand.weight / length,
-                _ => 0.0,
-            };
+            let length = strand.length(rest);
+            (strand.share, strand.weight) =
+                if length > 0.0 { (strand.weight, strand.weight / length) } else { (0.0, 0.0) };
         }
-        let sum: f32 = self.0.iter().map(|strand| strand.weight * strand.length(rest)).sum();
+        let sum: f32 = self.0.iter().map(|strand| strand.share).sum();
         if sum > 0.0 {
-            self.0.iter_mut().for_each(|strand| strand.weight /= sum);
+            for strand in &mut self.0 {
+                (strand.share, strand.weight) = (strand.share / sum, strand.weight / sum);
+            }
         }
     }
 
     fn read(&self, now: &[[f32; 3]]) -> f32 {
-        let mean: f32 = self.0.iter().map(|strand| strand.weight * strand.length(now)).sum();
+        let (mut left, mut known) = (0.0, 0.0);
+        for strand in &self.0 {
+            let length = strand.weight * strand.length(now);
+            // NaN is not greater.
+            if length > COLLAPSED * strand.share && length.is_finite() {
+                (left, known) = (left + length, known + strand.share);
+            }
+        }
         // Without a triangle that has an area nothing is known.
-        if mean.is_finite() && mean > 0.0 { 1.0 - mean } else { 0.0 }
+        if known > 0.0 { 1.0 - left / known } else { 0.0 }
     }
 }
 
@@ -222,44 +238,50 @@ fn mean(readings: &[Vec<f32>], half: usize) -> Vec<Vec<f32>> {
     (0..count).into_par_iter().map(at).collect()
 }
 
-/// Compression in time: readings at equal steps from 0 s on.
+/// What compression does to creases in time: at equal steps from 0 s on.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Record {
     step: f64,
-    /// One after the other: the readings at all nodes.
-    readings: Vec<Vec<f32>>,
+    /// One after the other: the part of their height that all nodes have.
+    heights: Vec<Vec<f32>>,
+    most: Option<(f32, f64)>,
 }
 
 impl Record {
-    /// Of readings at equal steps in seconds, averaged over `settle` seconds: three running means one after the other, a window that
-    /// falls off to either side, so that what rises does so smoothly.
-    pub(crate) fn new(step: f64, mut readings: Vec<Vec<f32>>, settle: f64) -> Self {
+    /// Of readings at equal steps in seconds, averaged over the time that creases take to settle: three running means one after the other, a
+    /// window that falls off to either side, so that what rises does so smoothly. What they raise is spread along the creases.
+    pub(crate) fn new(step: f64, mut readings: Vec<Vec<f32>>, strain: &Strain, spread: &Spread) -> Self {
         // A clip without a length has one moment.
         if step > 0.0 {
-            let half = (settle / (2.0 * MEANS as f64) / step).round() as usize;
+            let half = (f64::from(strain.settle) / (2.0 * MEANS as f64) / step).round() as usize;
             for _ in 0..MEANS {
                 readings = mean(&readings, half);
             }
         }
-        Self { step, readings }
+        let of = |(i, reading): (usize, &Vec<f32>)| {
+            let most = reading.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            (most, step * i as f64)
+        };
+        let all = readings.iter().enumerate().filter(|(_, reading)| !reading.is_empty()).map(of);
+        let most = all.reduce(|a, b| if b.0 > a.0 { b } else { a });
+        let raised = |reading: &Vec<f32>| {
+            let heights: Vec<f32> = reading.iter().map(|c| strain.raise(*c) as f32).collect();
+            spread.apply(&heights)
+        };
+        Self { step, heights: readings.par_iter().map(raised).collect(), most }
     }
 
     /// The greatest compression there is at any time, and when, seconds; none where nothing is known.
     pub(crate) fn most(&self) -> Option<(f32, f64)> {
-        let of = |(i, reading): (usize, &Vec<f32>)| {
-            let most = reading.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-            (most, self.step * i as f64)
-        };
-        let all = self.readings.iter().enumerate().filter(|(_, reading)| !reading.is_empty()).map(of);
-        all.reduce(|a, b| if b.0 > a.0 { b } else { a })
+        self.most
     }
 
     /// What part of their height the nodes have at a time; before the first reading and after the last what they have there.
-    pub(crate) fn raise(&self, strain: &Strain, seconds: f64, node: usize) -> f64 {
-        let Some(last) = self.readings.len().checked_sub(1) else { return 0.0 };
+    pub(crate) fn raise(&self, seconds: f64, node: usize) -> f64 {
+        let Some(last) = self.heights.len().checked_sub(1) else { return 0.0 };
         let x = if self.step > 0.0 { (seconds / self.step).clamp(0.0, last as f64) } else { 0.0 };
         let i = (x.floor() as usize).min(last.saturating_sub(1));
-        let at = |i: usize| self.readings[i.min(last)].get(node).map_or(0.0, |c| strain.raise(*c));
+        let at = |i: usize| self.heights[i.min(last)].get(node).map_or(0.0, |height| f64::from(*height));
         at(i) + (at(i + 1) - at(i)) * (x - i as f64)
     }
 }

@@ -80,6 +80,33 @@ fn creases_rise_where_the_surface_is_pushed_together() {
 }
 
 #[test]
+fn folds_rise_and_fade_along_their_crease_within_their_thickness() {
+    let profile = |cells: u32| {
+        let mesh = grid([2.0, 2.0], [cells; 2], [0.0, 1.0, 0.0]).unwrap();
+        // Gauges that see little: a short stretch, and from there on all of it.
+        let strain = Strain { radius: Some(0.02), ..Strain::default() };
+        let laid = lay(&mesh, Layout { size: [1.6, 1.0], ..LAYOUT }, strain);
+        let stretch = |z: f32| (-0.33..-0.3).contains(&z) || z > 0.2;
+        let now = map(&mesh, |[x, y, z]| [if stretch(z) { 0.6 * x } else { x }, y, z]);
+        let mut wires = Vec::new();
+        laid.at_once(&now).wires_at(0.0, &mut wires);
+        let wire = &wires[0];
+        wire.reference.points().iter().zip(&wire.pose).map(|(r, p)| (r[2], p[1])).collect::<Vec<_>>()
+    };
+    let (coarse, fine) = (profile(100), profile(260));
+    for heights in [&coarse, &fine] {
+        // No steeper than the whole height in a thickness, and neither gone nor full where compressed for less than that.
+        for pair in heights.windows(2) {
+            let slope = (pair[1].1 - pair[0].1).abs() / (pair[1].0 - pair[0].0).abs();
+            assert!(slope < 1.05 * 0.05 / 0.1, "{slope} at {}", pair[0].0);
+        }
+        let most = heights.iter().filter(|(z, _)| *z < -0.1).map(|(_, h)| *h).fold(0.0, f32::max);
+        assert!((0.005..0.03).contains(&most), "{most}");
+        assert!(heights.iter().filter(|(z, _)| *z > 0.32).all(|(_, h)| (h - 0.05).abs() < 1e-5));
+    }
+}
+
+#[test]
 fn a_bent_tube_wrinkles_on_its_inside() {
     // The bend: about z at (0.6, 0), from straight to a right angle between y = −0.3 and 0.3.
     for [sides, rings] in [[24, 41], [64, 121], [65, 90]] {
@@ -129,29 +156,31 @@ fn readings_are_smoothed_in_time() {
     let step = 0.02;
     let jump: Vec<Vec<f32>> = (0..100).map(|i| vec![if i < 50 { 0.0 } else { 0.3 }]).collect();
     let strain = Strain { from: 0.0, to: 0.3, ..Strain::default() };
-    let sharp = Record::new(step, jump.clone(), 0.0);
-    assert_eq!((sharp.raise(&strain, 0.98, 0), sharp.raise(&strain, 1.0, 0)), (0.0, 1.0));
-    let soft = Record::new(step, jump, 0.4);
-    let at = |seconds| soft.raise(&strain, seconds, 0);
+    let record = |settle| Record::new(step, jump.clone(), &Strain { settle, ..strain }, &Spread::default());
+    let sharp = record(0.0);
+    assert_eq!((sharp.raise(0.98, 0), sharp.raise(1.0, 0)), (0.0, 1.0));
+    let soft = record(0.4);
+    let at = |seconds| soft.raise(seconds, 0);
     assert_eq!((at(-5.0), at(0.7), at(1.3), at(50.0)), (0.0, 0.0, 1.0, 1.0));
     for i in 0..200 {
         let seconds = f64::from(i) * 0.01;
         let change = at(seconds + 0.01) - at(seconds);
         assert!((0.0..0.15).contains(&change), "{change} at {seconds}");
     }
-    assert_eq!(Record::default().raise(&strain, 1.0, 0), 0.0);
+    assert_eq!(Record::default().raise(1.0, 0), 0.0);
 }
 
 #[test]
 fn a_clip_without_length_and_a_window_beyond_all_measure_are_one_mean() {
     let strain = Strain { from: 0.0, to: 0.4, ..Strain::default() };
     for settle in [0.0, 0.1, 1e30] {
-        let pose = Record::new(0.0, vec![vec![0.4], vec![0.4]], settle);
-        assert_eq!((pose.raise(&strain, 0.0, 0), pose.raise(&strain, 3.0, 0)), (1.0, 1.0));
+        let strain = Strain { settle, ..strain };
+        let pose = Record::new(0.0, vec![vec![0.4], vec![0.4]], &strain, &Spread::default());
+        assert_eq!((pose.raise(0.0, 0), pose.raise(3.0, 0)), (1.0, 1.0));
     }
     let ramp: Vec<Vec<f32>> = (0..=100).map(|i| vec![0.004 * i as f32]).collect();
-    let flat = Record::new(0.02, ramp, 1e30);
-    let all: Vec<f64> = (0..=100).map(|i| flat.raise(&strain, f64::from(i) * 0.02, 0)).collect();
+    let flat = Record::new(0.02, ramp, &Strain { settle: 1e30, ..strain }, &Spread::default());
+    let all: Vec<f64> = (0..=100).map(|i| flat.raise(f64::from(i) * 0.02, 0)).collect();
     assert!(all.iter().all(|h| (h - 0.5).abs() < 0.3 && h.is_finite()), "{all:?}");
 }
 
@@ -161,6 +190,32 @@ fn a_radius_beyond_all_measure_looks_at_so_many_triangles() {
     let laid = lay(&mesh, LAYOUT, Strain { radius: Some(1e20), ..Strain::default() });
     let now = map(&mesh, |[x, y, z]| [0.8 * x, y, z]);
     assert!(laid.compression(&now).iter().all(|c| (c - 0.2).abs() < 1e-3));
+}
+
+#[test]
+fn triangles_that_are_no_numbers_or_have_collapsed_say_nothing() {
+    let mesh = grid([2.0, 2.0], [40, 40], [0.0, 1.0, 0.0]).unwrap();
+    let laid = lay(&mesh, LAYOUT, Strain::default());
+    let read = |gone: [f32; 3]| {
+        laid.compression(&map(&mesh, |p| if p[2] > 0.05 { gone } else { [0.8 * p[0], p[1], p[2]] }))
+    };
+    let wires = {
+        let mut wires = Vec::new();
+        laid.clone().wires_at(0.0, &mut wires);
+        wires
+    };
+    let places: Vec<f32> = wires.iter().flat_map(|w| w.reference.points()).map(|p| p[2]).collect();
+    for gone in [[f32::NAN, 0.0, 0.0], [0.0, f32::INFINITY, 0.0]] {
+        for (reading, z) in read(gone).into_iter().zip(&places) {
+            let expected = if *z > 0.3 { 0.0 } else { 0.2 };
+            assert!((reading - expected).abs() < 1e-4 || (0.2..0.3).contains(z), "{reading} at {z}");
+        }
+    }
+    let hidden = laid.compression(&map(&mesh, |_| [0.3, 0.0, 0.3]));
+    assert!(hidden.iter().all(|reading| *reading == 0.0));
+    // The half that is hidden says nothing; those between are pulled long.
+    let half = laid.compression(&map(&mesh, |p| if p[2] > 0.0 { [p[0], 0.0, 0.0] } else { p }));
+    assert!(half.iter().all(|reading| *reading < 1e-4), "{half:?}");
 }
 
 #[test]

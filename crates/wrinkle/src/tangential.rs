@@ -8,7 +8,7 @@ use crate::pattern::{Line, Lines};
 use crate::random::{Jitter, unit};
 use crate::trace::{Trace, Walked};
 use crate::travel::{room, stop};
-use crate::{Layout, Motion, Wrinkle};
+use crate::{Layout, Wrinkle};
 
 /// The most jitter sideways, in parts of the spacing: neighbours keep a fifth of it between them.
 const SIDEWAYS: f64 = 0.4;
@@ -32,10 +32,7 @@ pub(crate) fn lay(
     let spacing = width / f64::from(layout.creases);
     let random = f64::from(settings.randomness);
     let jitter = |index, what| random * (2.0 * unit(settings.seed, index, what) - 1.0);
-    let velocity = match settings.motion {
-        Motion::Travelling { velocity } => velocity.map(f64::from),
-        _ => [0.0; 2],
-    };
+    let velocity = settings.motion.velocity();
     let way = velocity[1] * seconds;
     let room = if way == 0.0 { f64::INFINITY } else { across(center, width, way, thickness) };
     // Folds that come to a border gather there; those behind stay behind.
@@ -70,6 +67,7 @@ pub(crate) fn lay(
             strength: 1.0 - 0.5 * random * unit(settings.seed, index, Jitter::Height),
             spacing: (spacing, spacing),
             index,
+            fork: None,
         });
     }
 }
@@ -109,3 +107,7 @@ fn along(walker: &Walker<'_>, range: (f64, f64), way: f64, thickness: f64) -> f6
     let end = if way < 0.0 { -range.0 } else { range.1 };
     stop(way, room(&ahead, end + way.abs(), thickness) - end, thickness)
 }
+
+#[cfg(test)]
+#[path = "tangential_tests.rs"]
+mod tests;

@@ -19,11 +19,10 @@ mod mesh;
 #[cfg(test)]
 mod tests;
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 use thiserror::Error;
 
+use crate::Distinct;
 use crate::vector::{narrow, wide};
 pub(crate) use grade::graded;
 pub use mesh::MeshSubdivision;
@@ -148,21 +147,15 @@ pub fn subdivide_vertices(
     if positions.len() != longest.len() {
         return Err(SubdivideError::Index { what: "vertex", index: longest.len(), count: positions.len() });
     }
-    let mut known = HashMap::with_capacity(positions.len());
-    let (mut places, mut least, mut place_of) = (Vec::new(), Vec::<f32>::new(), Vec::new());
-    for (p, &wanted) in positions.iter().zip(longest) {
-        // Adding 0 makes −0 equal to 0.
-        let place = *known.entry(p.map(|c| (c + 0.0).to_bits())).or_insert_with(|| {
-            places.push(*p);
-            least.push(f32::INFINITY);
-            places.len() as u32 - 1
-        });
+    let Distinct { of, first } = Distinct::new(positions.len(), |i| positions[i]);
+    let places: Vec<[f32; 3]> = first.iter().map(|&vertex| positions[vertex as usize]).collect();
+    let mut least = vec![f32::INFINITY; places.len()];
+    for (&place, &wanted) in of.iter().zip(longest) {
         let slot = &mut least[place as usize];
         // What is not above 0 stays, for it is refused.
         *slot = if wanted > *slot { *slot } else { wanted };
-        place_of.push(place);
     }
-    subdivide(triangles, &Wanted { places: &places, place_of: &place_of, longest: &least }, limits)
+    subdivide(triangles, &Wanted { places: &places, place_of: &of, longest: &least }, limits)
 }
 
 impl Subdivision {

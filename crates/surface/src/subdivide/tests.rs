@@ -86,7 +86,8 @@ fn assert_sound((positions, triangles): &Surface, longest: &[f32], found: &Subdi
     }
     for (sum, &triangle) in sums.iter().zip(triangles) {
         let whole = area(positions, triangle);
-        assert!((*sum - whole).length() <= 1e-5 * whole.length().max(1e-3), "{sum} for {whole}");
+        // Middles are rounded: along edges of a length of 1 that is some 1e-7 of area, however thin the triangle is.
+        assert!((*sum - whole).length() <= 1e-5 * whole.length().max(1e-2), "{sum} for {whole}");
     }
     // A T-junction is an edge that is used on one side only, along one that is halved on the other.
     let before = edge_uses(triangles, &old_places);
