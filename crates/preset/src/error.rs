@@ -131,7 +131,10 @@ pub(crate) fn nearest<'a>(found: &str, names: impl IntoIterator<Item = &'a str>)
     let reach = letters.div_ceil(3).min(letters.saturating_sub(1));
     names
         .into_iter()
-        .map(|name| (strsim::osa_distance(&wanted, &name.to_lowercase()), name))
+        .map(|name| (name.to_lowercase(), name))
+        // They are at least as far apart as they differ in length, and long ones take long to compare.
+        .filter(|(lower, _)| lower.chars().count().abs_diff(letters) <= reach)
+        .map(|(lower, name)| (strsim::osa_distance(&wanted, &lower), name))
         .filter(|&(distance, _)| distance <= reach)
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, name)| name)

@@ -97,15 +97,7 @@ fn seam(reader: &mut Reader<'_>, node: &Node, pieces: &mut Pieces, clock: &mut C
 
 /// How a seam runs and holds: the fields of it that do not move.
 fn manner(reader: &mut Reader<'_>, fields: &mut Fields<'_>, seam: &mut Seam) {
-    seam.reversed = reader.field(fields, "reversed", seam.reversed, |reader, node| match node.body {
-        Body::Bool(reversed) => Some(Reversed::Given(reversed)),
-        _ => {
-            // The latter two are no names; they stand here for the list of what is expected.
-            let [yes, no] = [true, false].map(Reversed::Given);
-            let names = [("Auto", Reversed::Auto), ("true", yes), ("false", no)];
-            reader.choice(node, "value of `reversed`", &names)
-        }
-    });
+    seam.reversed = reader.field(fields, "reversed", seam.reversed, reversed);
     seam.density = reader.field(fields, "density", seam.density.clone(), density);
     seam.pairing = reader.field(fields, "correspondence", seam.pairing, |reader, node| {
         let pairings = [
@@ -120,6 +112,17 @@ fn manner(reader: &mut Reader<'_>, fields: &mut Fields<'_>, seam: &mut Seam) {
         reader.choice(node, "continuity", &names)
     });
     seam.weld = reader.field(fields, "weld", seam.weld, Reader::flag);
+}
+
+/// `Auto`, `true` or `false`.
+fn reversed(reader: &mut Reader<'_>, node: &Node) -> Option<Reversed> {
+    if let Body::Bool(reversed) = node.body {
+        return Some(Reversed::Given(reversed));
+    }
+    // The latter two are no names; they stand here for the list of what is expected.
+    let [yes, no] = [true, false].map(Reversed::Given);
+    let names = [("Auto", Reversed::Auto), ("true", yes), ("false", no)];
+    reader.choice(node, "value of `reversed`", &names)
 }
 
 /// Warns of a seam that never sews, and of a weld of what never meets.

@@ -200,11 +200,11 @@ fn values_out_of_range_are_refused_at_the_value() {
 #[test]
 fn names_that_do_not_exist_are_refused_with_the_nearest_one() {
     use PresetErrorKind::Name;
-    let long = "tears: [Tear(at: 0, width: 1, «opened»: 1)]";
+    let long = "tears: [Tear(at: 0, width: 1, «openin»: 1)]";
     for (field, message, help) in [
         ("«stitched»: 1", "`Seam` has no field `stitched`; expected `a`, `b`, `reversed`", None),
         ("«radios»: 1", "no field `radios`", Some("`radius`")),
-        (long, "`Tear` has no field `opened`", Some("`opening`")),
+        (long, "`Tear` has no field `openin`", Some("`opening`")),
         ("reversed: «Aut»", "no value of `reversed` `Aut`; expected `Auto`, `true` or", Some("`Auto`")),
         ("correspondence: «Arclenght»", "no correspondence", Some("`ArcLength`")),
         ("continuity: «Tangents»", "no continuity", Some("`Tangent`")),
@@ -218,7 +218,7 @@ fn names_that_do_not_exist_are_refused_with_the_nearest_one() {
     check(&order, Name, "no order `Sequentiel`", Some("`Sequential`"));
     check("«Stich»(seams: [])", Name, "no effect `Stich`", Some("`Stitch`"));
     let patch = format!("Stitch(«patch»: [], seams: [Seam({EDGES})])");
-    check(&patch, Name, "`Stitch` has no field `patch`; expected", None);
+    check(&patch, Name, "`Stitch` has no field `patch`; expected", Some("`patches`"));
     check("«Stitch»()", Name, "`Stitch` needs a field `seams`", None);
     let one = "Stitch(seams: [«Seam»(a: Edge(piece: \"a\", side: UMax))])";
     check(one, Name, "`Seam` needs a field `b`", None);
