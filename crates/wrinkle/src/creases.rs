@@ -314,8 +314,9 @@ impl Creases {
         Some(Gauges::new(&self.ground, &self.list, f64::from(radius)))
     }
 
-    /// Whether edges across the folds are too long to show them.
-    fn coarse(&self) -> Option<WrinkleWarning> {
+    /// Whether edges across the folds are too long to show them, where the creases are at the moment that [`Creases::at`] was last
+    /// asked for: [`WrinkleWarning::Coarse`]. [`Creases::warnings`] has it for 0 s.
+    pub fn coarse(&self) -> Option<WrinkleWarning> {
         let across = |crease: &Crease| {
             let edges = crease.steps.windows(2).map(|pair| {
                 let along = (position(&pair[1]) - position(&pair[0])).normalize_or_zero();
