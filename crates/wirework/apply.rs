@@ -1,22 +1,22 @@
 //! From a preset and an input to files: read, bind, deform, shade, bake, write.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use wirework_asset::{Limits, check_output, same_file, write_files};
+use wirework_asset::{Limits, OutputFile, check_output, same_file, write_files};
 use wirework_bake::{Bake, Settings};
-use wirework_preset::Preset;
+use wirework_preset::{Effect, Preset};
 
 use crate::film::{Film, check_clip};
-use crate::mask::masks;
+use crate::fineness::{Span, refined};
+use crate::mask::Masks;
 use crate::motion::Basis;
 use crate::output::{Pattern, Scene, Target};
-use crate::refine::refined;
 use crate::report::peak_bytes;
 use crate::source::{Source, parts};
-use crate::strain::{Length, driving_clip, found, sense};
+use crate::strain::{Length, clip_seconds, driving_clip, found, sense};
 use crate::subject::Model;
-use crate::{JobError, Report, Schedule, When, schedule};
+use crate::{JobError, Report, Schedule, Subject, When, schedule};
 
 /// What to apply, to what, and how.
 #[derive(Clone, Debug)]
@@ -120,46 +120,17 @@ pub(crate) fn on_threads<T: Send>(
 
 fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, JobError> {
     let start = Instant::now();
-    let preset = job.preset;
-    let times =
-        |length: Length| schedule(&job.when, length.seconds, length.animated, job.fps, job.max_frames);
-    // How long a clip is that the effect follows is known when it has been read.
-    let expected = times(Length { animated: preset.animated || preset.driven, ..Length::of(preset) })?;
-    let target = target(job, &expected)?;
+    let target = target(job, &expected(job)?)?;
     let source = job.source();
-    for path in source.files() {
-        guard_report(job, &path)?;
-    }
-    let subject = source.subject()?;
-    if let Some(clip) = job.clip {
-        check_clip(&subject.model, clip)?;
-    }
-    let (effects, unfound) = found(&subject, preset, (source.folder(), &job.limits), job.clip)?;
-    let (subject, refinement) = refined(subject, &effects, preset.duration, &job.limits)?;
-    let mut report = Report {
-        points: subject.position_count(),
-        threads: rayon::current_num_threads(),
-        warnings: subject.warnings(),
-        ..Report::default()
-    };
-    report.warnings.extend(unfound);
-    report.warnings.extend(refinement.warnings);
-    report.refined = refinement.meshes;
-    let masks = masks(&subject, &effects, source.folder(), &job.limits)?.complete()?;
+    guard_reports(job, source.files())?;
+    let Prepared { subject, effects, masks, clip, schedule, sought, mut report } = prepare(job, &source)?;
     let (basis, model, point_of) = Basis::of(subject);
-    for path in parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())) {
-        guard_report(job, &path)?;
-    }
+    guard_reports(job, parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())))?;
     let mut motion = basis.bind(&effects, masks)?;
-    let clip = driving_clip(&motion.evaluation, &model, job.clip)?;
-    let length = match (clip, &model) {
-        (Some(clip), Model::Gltf { gltf, rest }) => {
-            Length::of(preset).with_clip(preset, sense(&mut motion.evaluation, gltf, rest, &point_of, clip)?)
-        }
-        _ => Length::of(preset),
-    };
-    let schedule = times(length)?;
-    report.frames = schedule.count();
+    if let (Some(clip), Model::Gltf { gltf, rest }) = (clip, &model) {
+        sense(&mut motion.evaluation, gltf, rest, &point_of, clip)?;
+    }
+    motion.sense_before(job.preset.duration)?;
     let mut film = Film { motion, schedule, shade: Duration::ZERO, write: Duration::ZERO, progress };
     let product = match (target, model) {
         (Target::Gltf(format), model) => film.gltf(job, format, Scene::new(model, point_of, &job.limits)?)?,
@@ -172,26 +143,95 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     if job.strict && !report.warnings.is_empty() {
         return Err(JobError::Strict(report.warnings));
     }
-    let write = Instant::now();
-    for file in product.files.iter().filter(|_| job.output.is_some()) {
-        guard_report(job, &file.path)?;
-    }
-    if !job.dry_run {
-        for file in product.files.iter().filter(|file| file.replace) {
-            source.guard(&file.path, job.in_place)?;
-        }
-        write_files(&product.files)?;
-    }
-    let ms = |time: Duration| time.as_secs_f64() * 1e3;
-    let spent = film.motion.evaluation.spent();
-    report.wires = film.motion.evaluation.wire_count();
-    report.bind_ms = ms(spent.bind);
-    report.deform_ms = ms(spent.deform);
-    report.normals_ms = ms(film.shade);
-    report.write_ms = ms(film.write + write.elapsed());
-    report.peak_bytes = peak_bytes();
+    let begin = Instant::now();
+    write(job, &source, &product.files)?;
+    film.write += begin.elapsed();
+    account(&film, sought, &mut report);
     report.total_ms = ms(start.elapsed());
     Ok(report)
+}
+
+/// The moments as far as they are known before anything is read: how long a clip is that the effect follows is not.
+fn expected(job: &Job<'_>) -> Result<Schedule, JobError> {
+    let preset = job.preset;
+    times(job, Length { animated: preset.animated || preset.driven, ..Length::of(preset) })
+}
+
+fn times(job: &Job<'_>, length: Length) -> Result<Schedule, JobError> {
+    Ok(schedule(&job.when, length.seconds, length.animated, job.fps, job.max_frames)?)
+}
+
+/// What is known before anything is bound.
+struct Prepared {
+    subject: Subject,
+    effects: Vec<Effect>,
+    masks: Masks,
+    /// The clip that drives effects.
+    clip: Option<usize>,
+    schedule: Schedule,
+    /// The time that it took to look where the subject is compressed.
+    sought: Duration,
+    report: Report,
+}
+
+/// Reads what effects work on, looks for what they leave open, and makes it as fine as they need it.
+fn prepare(job: &Job<'_>, source: &Source<'_>) -> Result<Prepared, JobError> {
+    let preset = job.preset;
+    let subject = source.subject()?;
+    if let Some(clip) = job.clip {
+        check_clip(&subject.model, clip)?;
+    }
+    let begin = Instant::now();
+    let (effects, unfound) = found(&subject, preset, (source.folder(), &job.limits), job.clip)?;
+    let sought = begin.elapsed();
+    let clip = driving_clip(&effects, &subject.model, job.clip)?;
+    let mut length = Length::of(preset);
+    if clip.is_some() {
+        length = length.with_clip(preset, clip_seconds(&subject.model, clip)?);
+    }
+    let schedule = times(job, length)?;
+    let span = Span::new(preset.duration).with(&schedule);
+    let (subject, masks, refinement) = refined(subject, &effects, span, (source.folder(), &job.limits))?;
+    let mut report = Report {
+        points: subject.position_count(),
+        frames: schedule.count(),
+        threads: rayon::current_num_threads(),
+        warnings: subject.warnings(),
+        refined: refinement.meshes,
+        ..Report::default()
+    };
+    report.warnings.extend(unfound);
+    report.warnings.extend(refinement.warnings);
+    Ok(Prepared { subject, effects, masks, clip, schedule, sought, report })
+}
+
+/// Writes the files, unless it is a dry run.
+fn write(job: &Job<'_>, source: &Source<'_>, files: &[OutputFile]) -> Result<(), JobError> {
+    if job.output.is_some() {
+        guard_reports(job, files.iter().map(|file| file.path.clone()))?;
+    }
+    if !job.dry_run {
+        for file in files.iter().filter(|file| file.replace) {
+            source.guard(&file.path, job.in_place)?;
+        }
+        write_files(files)?;
+    }
+    Ok(())
+}
+
+/// What the work has taken.
+fn account(film: &Film<'_>, sought: Duration, report: &mut Report) {
+    let spent = film.motion.evaluation.spent();
+    report.wires = film.motion.evaluation.wire_count();
+    report.bind_ms = ms(sought + spent.bind);
+    report.deform_ms = ms(spent.deform);
+    report.normals_ms = ms(film.shade);
+    report.write_ms = ms(film.write);
+    report.peak_bytes = peak_bytes();
+}
+
+fn ms(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
 }
 
 /// Refuses a place that takes no file, before any work is done. Files of a `sequence` may have a folder made for them.
@@ -248,6 +288,11 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, JobError> {
         }
         _ => Ok(target),
     }
+}
+
+/// Refuses a report in the place of any of these files.
+fn guard_reports(job: &Job<'_>, paths: impl IntoIterator<Item = PathBuf>) -> Result<(), JobError> {
+    paths.into_iter().try_for_each(|path| guard_report(job, &path))
 }
 
 /// Refuses a report in the place of a file that is read or written.

@@ -53,7 +53,7 @@ pub struct Evaluation<'a> {
 /// Time spent so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spent {
-    /// Laying creases and binding points.
+    /// Laying creases and binding points, and looking how the surface is compressed where that drives them.
     pub bind: Duration,
     /// Deforming points by wires and lattices, nothing else.
     pub deform: Duration,
@@ -130,7 +130,8 @@ impl<'a> Evaluation<'a> {
     /// the first is worked out once, at 0 s, so that one that does not fit the one before it is found here.
     ///
     /// The effects of a preset are in its `effects`. Those with `only` or `mask` need the names and colours of an asset:
-    /// [`Subject::bind`](crate::Subject::bind) is for them.
+    /// [`Subject::bind`](crate::Subject::bind) is for them. It also knows how long the effects last, which `settle` of a wrinkle
+    /// needs that those before it drive; here that is driven by what they do at the same moment.
     pub fn new(
         effects: &[Effect],
         points: &'a [[f32; 3]],
@@ -166,9 +167,7 @@ impl<'a> Evaluation<'a> {
         let mut new = Self { points, triangles, stages, base: Vec::new(), spent, warnings };
         if new.stages.len() > 1 {
             new.at(0.0, &mut points.to_vec())?;
-            // Nobody has asked for a moment yet.
-            new.spent.deform = Duration::ZERO;
-            new.stages.iter_mut().for_each(|stage| stage.reached = false);
+            new.unasked();
         }
         Ok(new)
     }
@@ -178,7 +177,17 @@ impl<'a> Evaluation<'a> {
         if out.len() != self.points.len() {
             return Err(EvaluateError::PointCount { points: self.points.len(), found: out.len() });
         }
-        for (index, stage) in self.stages.iter_mut().enumerate() {
+        self.before(self.stages.len(), seconds, out)
+    }
+
+    /// The points as the effects before one move them. The buffer is as long as the points are many.
+    pub(crate) fn before(
+        &mut self,
+        effect: usize,
+        seconds: f64,
+        out: &mut [[f32; 3]],
+    ) -> Result<(), EvaluateError> {
+        for (index, stage) in self.stages.iter_mut().take(effect).enumerate() {
             let mut base = self.points;
             if index > 0 {
                 self.base.clear();
@@ -189,6 +198,12 @@ impl<'a> Evaluation<'a> {
             stage.deform(seconds, out, &mut self.spent)?;
         }
         Ok(())
+    }
+
+    /// Notes that nobody has asked for the moments so far.
+    fn unasked(&mut self) {
+        self.spent.deform = Duration::ZERO;
+        self.stages.iter_mut().for_each(|stage| stage.reached = false);
     }
 
     pub(crate) fn effect_count(&self) -> usize {
@@ -211,6 +226,35 @@ impl<'a> Evaluation<'a> {
         for (stage, readings) in self.stages.iter_mut().zip(readings) {
             stage.record(step, readings);
         }
+    }
+
+    /// Whether an effect is driven by those before it, and is to be told of all moments of these.
+    pub(crate) fn listens(&self, effect: usize) -> bool {
+        self.stages.get(effect).is_some_and(Stage::listens)
+    }
+
+    /// Tells one effect the compression that drives it, as [`Evaluation::record`] does.
+    pub(crate) fn record_one(&mut self, effect: usize, step: f64, readings: Vec<Vec<f32>>) {
+        if let Some(stage) = self.stages.get_mut(effect) {
+            stage.record(step, readings);
+        }
+    }
+
+    /// Notes that with looking how the surface is compressed binding has taken so long in all; moments that were looked at for it were
+    /// not asked for.
+    pub(crate) fn sensed(&mut self, bind: Duration) {
+        self.spent.bind = bind;
+        self.unasked();
+    }
+
+    /// Notes that the surface has been made finer where effects ask for that.
+    pub(crate) fn set_refined(&mut self) {
+        self.stages.iter_mut().for_each(Stage::set_refined);
+    }
+
+    /// Whether an effect works on a surface that has been made finer for it.
+    pub(crate) fn is_refined(&self, effect: usize) -> bool {
+        self.stages.get(effect).is_some_and(Stage::is_refined)
     }
 
     /// The effects, from 0, whose creases the clip does not compress enough to raise them: the most there is, and when.

@@ -123,6 +123,7 @@ mod decode;
 mod error;
 mod evaluate;
 mod film;
+mod fineness;
 mod inspect;
 mod mask;
 mod motion;

@@ -4,6 +4,7 @@ use wirework_preset::{Effect, ObjectError};
 use wirework_surface::{Bounds, Tessellation};
 
 use crate::mask::Masks;
+use crate::strain::sense_before;
 use crate::subject::{Model, Origin, Subject};
 use crate::unfit::unfit;
 use crate::{ControlNet, Evaluation, JobError};
@@ -32,11 +33,15 @@ impl Basis {
         (Self { points, triangles, bounds, net, origin }, model, point_of)
     }
 
-    /// Binds effects, with the masks of each.
+    /// Binds effects, with the masks of each; the subject has been made as fine as they ask for, where it could be.
     pub(crate) fn bind<'a>(&'a self, effects: &'a [Effect], masks: Masks) -> Result<Motion<'a>, JobError> {
         let Self { points, triangles, bounds, net, origin } = self;
-        let evaluation =
+        let mut evaluation =
             Evaluation::masked(effects, masks, points, triangles, *bounds).map_err(unfit(origin, effects))?;
+        // A net says itself that it cannot be made finer.
+        if net.is_none() {
+            evaluation.set_refined();
+        }
         let motion = Motion { points, now: points.clone(), evaluation, net: None, origin, effects };
         let Some((net, surface)) = net else { return Ok(motion) };
         let controlled = Controlled { surface: net.surface()?, controls: points.clone() };
@@ -64,6 +69,11 @@ struct Controlled<'a> {
 }
 
 impl Motion<'_> {
+    /// Tells effects that no clip drives how those before them compress the surface in the course of `duration` seconds.
+    pub(crate) fn sense_before(&mut self, duration: f64) -> Result<(), JobError> {
+        sense_before(&mut self.evaluation, duration).map_err(unfit(self.origin, self.effects))
+    }
+
     /// Works out where the points are at a moment.
     pub(crate) fn at(&mut self, seconds: f64) -> Result<(), JobError> {
         let moved = self.net.as_mut().map_or(&mut self.now, |net| &mut net.controls);

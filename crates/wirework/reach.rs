@@ -2,6 +2,7 @@
 
 use wirework_core::Lattice;
 use wirework_surface::Bounds;
+use wirework_wrinkle::WrinkleWarning;
 
 use crate::Evaluation;
 
@@ -30,7 +31,14 @@ impl Evaluation<'_> {
         };
         let creases = self
             .crease_warnings()
-            .map(|(effect, warning)| format!("the wrinkle{}: {warning}", which(effect)));
+            .map(|(effect, warning)| match warning {
+                WrinkleWarning::Coarse { edge, thickness } if self.is_refined(effect) => format!(
+                    "the wrinkle{}: even on the finer copy edges of {edge} are longer than a third of the thickness {thickness}, \
+                     as where effects before it stretch the surface: folds come out jagged [coarse]",
+                    which(effect)
+                ),
+                warning => format!("the wrinkle{}: {warning}", which(effect)),
+            });
         let unmoved = self.unmoved().map(|effect| {
             format!(
                 "the wrinkle{}: `drive: Strain` needs a model with a clip, or effects before it: nothing compresses \

@@ -2,17 +2,13 @@
 
 use serde::Serialize;
 use wirework_asset::{AssetError, Gltf, Limits, Obj, RefinedMesh, Rest};
-use wirework_preset::{Action, Effect};
 use wirework_surface::{
     Mesh, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, smooth_normals, subdivide,
 };
-use wirework_wrinkle::{SurfaceView, creases};
 
-use crate::evaluate::bounds_frame;
 use crate::subject::{Model, Origin, Subject};
-use crate::unfit::unfit;
 use crate::weld::Weld;
-use crate::{ControlNet, EvaluateError, JobError};
+use crate::{ControlNet, JobError};
 
 /// What was done to a subject.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -36,41 +32,6 @@ pub struct FinerMesh {
 
 /// Between normals that leave less than this the surface has no side.
 const SIDELESS: f32 = 1e-3;
-/// Moments at which creases that walk over the surface are looked for.
-const MOMENTS: u32 = 48;
-
-/// The subject made finer where effects that ask for it fold it, in the course of `duration` seconds. Effects are looked for where they act on the rest.
-///
-/// # Errors
-///
-/// As [`Subject::refined`]; the pattern of an effect does not fit the subject.
-pub(crate) fn refined(
-    subject: Subject,
-    effects: &[Effect],
-    duration: f64,
-    limits: &Limits,
-) -> Result<(Subject, Refinement), JobError> {
-    if !effects.iter().any(|effect| effect.refine) {
-        return Ok((subject, Refinement::default()));
-    }
-    let frame = bounds_frame(subject.bounds());
-    let mut wanted = vec![f32::INFINITY; subject.points.len()];
-    for (index, effect) in effects.iter().enumerate().filter(|(_, effect)| effect.refine) {
-        let Action::Wrinkle(wrinkle) = effect.placed(&frame).action else { continue };
-        let fail = |error| unfit(&subject.origin, effects)(EvaluateError::Wrinkle { effect: index, error });
-        let surface = SurfaceView { positions: &subject.points, triangles: &subject.triangles };
-        let mut creases = creases(&surface, &wrinkle).map_err(fail)?;
-        creases.want_edges(&mut wanted);
-        let moments = if creases.moves() { MOMENTS } else { 0 };
-        for moment in 1..=moments {
-            let seconds = duration * f64::from(moment) / f64::from(MOMENTS);
-            creases.at(seconds, None).map_err(fail)?;
-            creases.want_edges(&mut wanted);
-        }
-    }
-    subject.refined(&wanted, limits)
-}
-
 impl Subject {
     /// The subject with edges short enough, and what was done. `wanted` is, for each of [`Subject::points`], the longest
     /// an edge there may be: metres at rest, above 0, and [`f32::INFINITY`] where it does not matter.

@@ -16,7 +16,7 @@ pub struct Report {
     pub frames: usize,
     /// Threads that worked.
     pub threads: usize,
-    /// Laying creases and binding points, milliseconds.
+    /// Laying creases and binding points, and looking where and when the surface is compressed, milliseconds.
     pub bind_ms: f64,
     /// The wire deformation of all frames, nothing else, milliseconds.
     pub deform_ms: f64,

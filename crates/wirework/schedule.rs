@@ -132,6 +132,17 @@ impl Schedule {
         }
     }
 
+    /// The first moment and the last, in seconds.
+    pub(crate) fn ends(&self) -> (f64, f64) {
+        match self {
+            Self::Still(seconds) => (*seconds, *seconds),
+            Self::Frames { frames, fps } => {
+                let last = frames.end.saturating_sub(1).max(frames.start);
+                (f64::from(frames.start) / fps, f64::from(last) / fps)
+            }
+        }
+    }
+
     /// The moments in their order: the number of the frame (0 for a still), and its time in seconds.
     pub fn moments(&self) -> impl Iterator<Item = (u32, f64)> + use<> {
         let (frames, fps, offset) = match self {

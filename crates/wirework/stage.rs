@@ -23,10 +23,11 @@ pub(crate) struct Stage {
     creases: Option<Creases>,
     /// What each crease may move.
     near: Vec<Near>,
-    /// Whether a clip has told how it compresses the surface.
+    /// Whether a clip, or the effects before over all their time, have told how the surface is compressed.
     told: bool,
-    /// Whether its surface is made finer where it needs that.
-    refine: bool,
+    fineness: Fineness,
+    /// That edges are too long for the folds, where they are longest at the moments so far.
+    coarse: Option<WrinkleWarning>,
     /// Of the points, or else of the lattice's control points.
     binding: Option<Binding>,
     lattice: Option<Ffd>,
@@ -34,6 +35,17 @@ pub(crate) struct Stage {
     bound_to: Vec<[f32; 3]>,
     /// Whether it has reached a point at any time that was asked for.
     pub(crate) reached: bool,
+}
+
+/// Whether its surface is made finer where it needs that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fineness {
+    /// It is as it is.
+    AsItIs,
+    /// It is to be, or could not be.
+    Wanted,
+    /// It has been.
+    Made,
 }
 
 /// \[SF98\] §6, Figure 21: a lattice that wires move, and that moves the points.
@@ -64,7 +76,8 @@ impl Stage {
             creases: None,
             near: Vec::new(),
             told: false,
-            refine: effect.refine,
+            fineness: if effect.refine { Fineness::Wanted } else { Fineness::AsItIs },
+            coarse: None,
             binding: None,
             lattice: lattice.map(ffd),
             bound_to: Vec::new(),
@@ -84,57 +97,64 @@ impl Stage {
         let same = |(a, b): (&[f32; 3], &[f32; 3])| bits(*a) == bits(*b);
         let settled = self.index == 0
             || (self.bound_to.len() == base.len() && self.bound_to.iter().zip(base).all(same));
-        match &mut self.binding {
-            Some(_) if settled && !self.creases.as_ref().is_some_and(Creases::moves) => Ok(()),
-            Some(_) if settled => self.walk(seconds, base, triangles, spent),
-            bound => {
-                let first = bound.is_none();
-                self.bind(seconds, base, triangles, spent)?;
-                if let Some(creases) = self.creases.as_mut().filter(|_| self.index > 0 && !self.told) {
-                    if first && creases.is_driven() {
-                        creases.rest(rest);
-                    }
-                    let reading = creases.compression(base);
-                    creases.record(0.0, vec![reading]);
-                }
-                if self.index > 0 {
-                    self.bound_to.clear();
-                    self.bound_to.extend_from_slice(base);
-                }
-                Ok(())
-            }
+        let first = self.binding.is_none();
+        let there = settled && !first;
+        if there && !self.creases.as_ref().is_some_and(Creases::moves) {
+            return Ok(());
         }
+        let start = Instant::now();
+        self.bind(seconds, base, triangles, there)?;
+        spent.bind += start.elapsed();
+        if there || self.index == 0 {
+            return Ok(());
+        }
+        self.hear(rest, base, first);
+        self.bound_to.clear();
+        self.bound_to.extend_from_slice(base);
+        Ok(())
     }
 
+    /// Takes the compression of what it works on as its drive, where nothing tells of another.
+    fn hear(&mut self, rest: &[[f32; 3]], base: &[[f32; 3]], first: bool) {
+        let Some(creases) = self.creases.as_mut().filter(|_| !self.told) else { return };
+        if first && creases.is_driven() {
+            creases.rest(rest);
+        }
+        let reading = creases.compression(base);
+        creases.record(0.0, vec![reading]);
+    }
+
+    /// Brings the references to a moment and binds `points` to them; where these are `there`, since they are those it is bound to, only
+    /// what the references have changed.
     fn bind(
         &mut self,
         seconds: f64,
         points: &[[f32; 3]],
         triangles: &[[u32; 3]],
-        spent: &mut Spent,
+        there: bool,
     ) -> Result<(), EvaluateError> {
-        let start = Instant::now();
         let effect = self.index;
         self.lay(seconds, points, triangles)?;
+        let bound = self.wires.len();
         self.move_wires(seconds);
         let fail = |error| EvaluateError::Bind { effect, error };
-        match &mut self.lattice {
-            None => {
-                let masks = self.masks.of_wires(&self.near, self.wires.len());
-                let masks: Vec<_> = masks.iter().map(WireMask::borrow).collect();
-                self.binding = Some(Binding::masked(&self.wires, points, &masks).map_err(fail)?);
+        let Some(ffd) = &mut self.lattice else {
+            let masks = self.masks.of_wires(&self.near, self.wires.len());
+            let masks: Vec<_> = masks.iter().map(WireMask::borrow).collect();
+            // A border that cuts a crease, or no longer does, changes how many there are.
+            match self.binding.as_mut().filter(|_| there && self.wires.len() == bound) {
+                Some(binding) => binding.rebind(&self.wires, &masks).map_err(fail)?,
+                None => self.binding = Some(Binding::masked(&self.wires, points, &masks).map_err(fail)?),
             }
-            Some(ffd) => {
-                // The control points at rest stay where they are, whatever the object does.
-                if self.binding.is_none() {
-                    ffd.controls = ffd.lattice.points();
-                    self.binding = Some(Binding::new(&self.wires, &ffd.controls).map_err(fail)?);
-                }
-                let bound = LatticeBinding::new(&ffd.lattice, points, self.masks.of_effect());
-                ffd.binding = Some(bound.map_err(|error| EvaluateError::Lattice { effect, error })?);
-            }
+            return Ok(());
+        };
+        // The control points at rest stay where they are, whatever the object does.
+        if self.binding.is_none() {
+            ffd.controls = ffd.lattice.points();
+            self.binding = Some(Binding::new(&self.wires, &ffd.controls).map_err(fail)?);
         }
-        spent.bind += start.elapsed();
+        let bound = LatticeBinding::new(&ffd.lattice, points, self.masks.of_effect());
+        ffd.binding = Some(bound.map_err(|error| EvaluateError::Lattice { effect, error })?);
         Ok(())
     }
 
@@ -159,33 +179,8 @@ impl Stage {
         }
         if laid || creases.moves() {
             self.near = creases.near();
+            self.coarse = coarser(self.coarse.take(), creases.coarse());
         }
-        Ok(())
-    }
-
-    /// Takes references that move over the surface to where they are at `seconds`, on the points that the effect is bound to.
-    fn walk(
-        &mut self,
-        seconds: f64,
-        points: &[[f32; 3]],
-        triangles: &[[u32; 3]],
-        spent: &mut Spent,
-    ) -> Result<(), EvaluateError> {
-        let start = Instant::now();
-        self.lay(seconds, points, triangles)?;
-        let bound = self.wires.len();
-        self.move_wires(seconds);
-        if self.wires.len() != bound {
-            // A border has cut a crease, or no longer does.
-            return self.bind(seconds, points, triangles, spent);
-        }
-        let effect = self.index;
-        let masks = self.masks.of_wires(&self.near, self.wires.len());
-        let masks: Vec<_> = masks.iter().map(WireMask::borrow).collect();
-        if let Some(binding) = &mut self.binding {
-            binding.rebind(&self.wires, &masks).map_err(|error| EvaluateError::Bind { effect, error })?;
-        }
-        spent.bind += start.elapsed();
         Ok(())
     }
 
@@ -252,7 +247,7 @@ impl Stage {
         self.is_driven() && !self.told && self.index == 0
     }
 
-    /// The greatest compression that a clip has told of, and when, where that raises nothing.
+    /// The greatest compression that it was told of, and when, where that raises nothing.
     pub(crate) fn unraised(&self) -> Option<(f32, f64)> {
         self.creases.as_ref().filter(|_| self.told)?.unraised()
     }
@@ -262,7 +257,7 @@ impl Stage {
         self.creases.as_ref().map_or_else(Vec::new, |creases| creases.compression(now))
     }
 
-    /// Tells it the compression by a clip.
+    /// Tells it the compression in time.
     pub(crate) fn record(&mut self, step: f64, readings: Vec<Vec<f32>>) {
         if let Some(creases) = self.creases.as_mut().filter(|creases| creases.is_driven()) {
             creases.record(step, readings);
@@ -273,8 +268,27 @@ impl Stage {
     /// What the creases lack.
     pub(crate) fn warnings(&self) -> impl Iterator<Item = &WrinkleWarning> {
         let all = self.creases.as_ref().map_or(&[][..], Creases::warnings).iter();
-        // What is to be made finer is not too coarse.
-        all.filter(|warning| !(self.refine && matches!(warning, WrinkleWarning::Coarse { .. })))
+        // What is still to be made finer is not too coarse.
+        let coarse = self.coarse.iter().filter(|_| self.fineness != Fineness::Wanted);
+        all.filter(|warning| !matches!(warning, WrinkleWarning::Coarse { .. })).chain(coarse)
+    }
+
+    /// Notes that its surface has been made finer where it asked for that. It does not ask where a mask lets nothing move, and whether
+    /// that is coarse is no matter.
+    pub(crate) fn set_refined(&mut self) {
+        if self.fineness == Fineness::Wanted && self.masks.of_effect().is_none() {
+            self.fineness = Fineness::Made;
+        }
+    }
+
+    /// Whether its surface has been made finer where it asked for that.
+    pub(crate) fn is_refined(&self) -> bool {
+        self.fineness == Fineness::Made
+    }
+
+    /// Whether it is driven by the effects before it, and has not been told of all moments.
+    pub(crate) fn listens(&self) -> bool {
+        self.index > 0 && self.is_driven() && !self.told
     }
 
     /// The lattice's control points along each axis, and where they are.
@@ -293,4 +307,13 @@ impl Stage {
         let ffd = self.lattice.as_ref()?;
         Some((ffd.lattice, ffd.binding.as_ref()?.outside()))
     }
+}
+
+/// The worse of two warnings about long edges.
+fn coarser(a: Option<WrinkleWarning>, b: Option<WrinkleWarning>) -> Option<WrinkleWarning> {
+    let edge = |warning: &Option<WrinkleWarning>| match warning {
+        Some(WrinkleWarning::Coarse { edge, .. }) => *edge,
+        _ => 0.0,
+    };
+    if edge(&b) > edge(&a) { b } else { a }
 }

@@ -1,6 +1,7 @@
-//! The compression of a model by one of its clips, for the effects that it drives.
+//! The compression of a model by one of its clips, or by effects, for the effects that it drives.
 
 use std::path::Path;
+use std::time::Instant;
 
 use wirework_asset::{Gltf, Limits, Rest};
 use wirework_core::Blend;
@@ -20,6 +21,9 @@ const STEP: f64 = 1.0 / 60.0;
 const MOMENTS: u32 = 48;
 /// Looks at a clip at most; of a longer one in coarser steps.
 const MOST: usize = 4096;
+/// Looks at effects before another at most, each of which costs as much as a frame. Of more than 17 s in coarser steps, which may miss what
+/// lasts but a moment, and average over less than `settle` where a step is longer than a third of that.
+const MOST_BEFORE: usize = 1024;
 
 /// The clip that drives an effect: the one asked for, or else the first. None where no effect is driven, or there is no clip.
 ///
@@ -27,18 +31,30 @@ const MOST: usize = 4096;
 ///
 /// There is no clip of that name.
 pub(crate) fn driving_clip(
-    evaluation: &Evaluation<'_>,
+    effects: &[Effect],
     model: &Model,
     wanted: Option<&str>,
 ) -> Result<Option<usize>, JobError> {
     let Model::Gltf { gltf, .. } = model else { return Ok(None) };
-    if !evaluation.is_driven() {
+    let driven =
+        |effect: &Effect| matches!(&effect.action, Action::Wrinkle(wrinkle) if wrinkle.drive.is_some());
+    if !effects.iter().any(driven) {
         return Ok(None);
     }
     match wanted {
         Some(wanted) => find_clip(gltf, wanted).map(Some),
         None => Ok((!gltf.clip_names().is_empty()).then_some(0)),
     }
+}
+
+/// How long a clip of a model is, seconds; 0 without one.
+///
+/// # Errors
+///
+/// The clip is malformed.
+pub(crate) fn clip_seconds(model: &Model, clip: Option<usize>) -> Result<f64, JobError> {
+    let (Model::Gltf { gltf, rest }, Some(_)) = (model, clip) else { return Ok(0.0) };
+    Ok(gltf.player(rest, clip)?.duration())
 }
 
 /// How long an effect lasts, and whether it moves.
@@ -143,6 +159,7 @@ fn moments(
     let bounds = subject.bounds();
     let mut effects =
         Evaluation::masked(before, masks, &subject.points, &subject.triangles, bounds).map_err(&fail)?;
+    sense_before(&mut effects, duration).map_err(&fail)?;
     let mut now = subject.points.clone();
     for moment in 0..=MOMENTS {
         effects.at(duration * f64::from(moment) / f64::from(MOMENTS), &mut now).map_err(&fail)?;
@@ -151,8 +168,7 @@ fn moments(
     Ok(true)
 }
 
-/// Plays a clip of the scene whose points effects move, and tells them how the surface is compressed. Returns the clip's length in
-/// seconds.
+/// Plays a clip of the scene whose points effects move, and tells them how the surface is compressed.
 ///
 /// # Errors
 ///
@@ -163,15 +179,52 @@ pub(crate) fn sense(
     rest: &Rest,
     point_of: &[u32],
     clip: usize,
-) -> Result<f64, JobError> {
+) -> Result<(), JobError> {
+    let (start, spent) = (Instant::now(), evaluation.spent());
     let mut sensing = Sensing::new(evaluation);
     let points = evaluation.points();
-    let (step, duration) = play(gltf, rest, point_of, points, clip, |now| sensing.read(evaluation, now))?;
+    let step = play(gltf, rest, point_of, points, clip, |now| sensing.read(evaluation, now))?;
     evaluation.record(step, sensing.readings);
-    Ok(duration)
+    evaluation.sensed(spent.bind + start.elapsed());
+    Ok(())
 }
 
-/// Plays a clip and shows where the points are in equal steps of time. Returns a step and the clip's length, seconds.
+/// Tells effects that no clip drives how those before them compress the surface in the course of `duration` seconds, whichever moments
+/// are asked for.
+///
+/// # Errors
+///
+/// An effect does not fit the one before.
+pub(crate) fn sense_before(evaluation: &mut Evaluation<'_>, duration: f64) -> Result<(), EvaluateError> {
+    let (start, spent) = (Instant::now(), evaluation.spent());
+    let mut now = Vec::new();
+    let (step, steps) = steps(duration, MOST_BEFORE);
+    // In their order: what one does is part of what drives the next.
+    for effect in 1..evaluation.effect_count() {
+        if !evaluation.listens(effect) {
+            continue;
+        }
+        now.resize(evaluation.points().len(), [0.0; 3]);
+        let mut readings = Vec::new();
+        for i in 0..=steps {
+            evaluation.before(effect, step * i as f64, &mut now)?;
+            readings.push(evaluation.compression(effect, &now));
+        }
+        evaluation.record_one(effect, step, readings);
+    }
+    if !now.is_empty() {
+        evaluation.sensed(spent.bind + start.elapsed());
+    }
+    Ok(())
+}
+
+/// Equal steps of time in a duration: how long one is, and how many there are, at most so many; none where it does not last.
+fn steps(duration: f64, most: usize) -> (f64, usize) {
+    let steps = ((duration / STEP).ceil() as usize).min(most);
+    (duration / steps.max(1) as f64, steps)
+}
+
+/// Plays a clip and shows where the points are in equal steps of time. Returns a step, seconds.
 fn play(
     gltf: &Gltf,
     rest: &Rest,
@@ -179,11 +232,9 @@ fn play(
     points: &[[f32; 3]],
     clip: usize,
     mut see: impl FnMut(&[[f32; 3]]),
-) -> Result<(f64, f64), JobError> {
+) -> Result<f64, JobError> {
     let mut player = gltf.player(rest, Some(clip))?;
-    let duration = player.duration();
-    let steps = ((duration / STEP).ceil() as usize).clamp(1, MOST);
-    let step = duration / steps as f64;
+    let (step, steps) = steps(player.duration(), MOST);
     let (mut positions, mut normals) = (rest.positions.clone(), Vec::new());
     let mut now = points.to_vec();
     for i in 0..=steps {
@@ -196,7 +247,7 @@ fn play(
         }
         see(&now);
     }
-    Ok((step, duration))
+    Ok(step)
 }
 
 /// Readings for each effect, at each time.

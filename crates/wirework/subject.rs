@@ -9,7 +9,7 @@ use wirework_preset::{Effect, Object, Preset, PresetError};
 use wirework_surface::{Bounds, Mesh, Transform};
 
 use crate::mask::{Masks, masks};
-use crate::strain::{driving_clip, found, sense};
+use crate::strain::{driving_clip, found, sense, sense_before};
 use crate::unfit::unfit;
 use crate::weld::Weld;
 use crate::{ControlNet, Evaluation, JobError};
@@ -223,7 +223,7 @@ impl Subject {
     ) -> Result<Evaluation<'a>, JobError> {
         let (effects, unfound) = found(self, preset, (preset_dir, limits), None)?;
         let masks = masks(self, &effects, preset_dir, limits)?.complete()?;
-        self.bind_masked(&effects, masks, unfound)
+        self.bind_masked(&effects, masks, unfound, preset.duration)
     }
 
     /// The same, but names, colours and texture coordinates that the object lacks are no errors: they are listed beside, and
@@ -241,7 +241,7 @@ impl Subject {
         let (effects, unfound) = found(self, preset, (preset_dir, limits), None)?;
         let mut masks = masks(self, &effects, preset_dir, limits)?;
         let missing = std::mem::take(&mut masks.missing);
-        Ok((self.bind_masked(&effects, masks, unfound)?, missing))
+        Ok((self.bind_masked(&effects, masks, unfound, preset.duration)?, missing))
     }
 
     fn bind_masked(
@@ -249,15 +249,17 @@ impl Subject {
         effects: &[Effect],
         masks: Masks,
         unfound: Vec<String>,
+        duration: f64,
     ) -> Result<Evaluation<'_>, JobError> {
         let bound = Evaluation::masked(effects, masks, &self.points, &self.triangles, self.bounds());
         let mut evaluation = bound.map_err(unfit(&self.origin, effects))?;
         evaluation.warnings.extend(unfound);
         if let (Some(clip), Model::Gltf { gltf, rest }) =
-            (driving_clip(&evaluation, &self.model, None)?, &self.model)
+            (driving_clip(effects, &self.model, None)?, &self.model)
         {
             sense(&mut evaluation, gltf, rest, &self.point_of, clip)?;
         }
+        sense_before(&mut evaluation, duration).map_err(unfit(&self.origin, effects))?;
         Ok(evaluation)
     }
 

@@ -6,17 +6,17 @@ use wirework_asset::{Gltf, Rest};
 use wirework_preset::{Effect, Preset};
 
 use crate::film::find_clip;
-use crate::mask::{Masks, masks};
+use crate::fineness::{Span, refined};
+use crate::mask::Masks;
 use crate::motion::Basis;
 use crate::output::Scene;
 use crate::picture::dress::Dress;
 use crate::picture::show::Show;
 use crate::picture::{PictureJob, Shown};
-use crate::refine::refined;
 use crate::source::{Source, parts, refused};
-use crate::strain::{found, sense};
+use crate::strain::{clip_seconds, driving_clip, found, sense};
 use crate::subject::Origin;
-use crate::{JobError, Model, Subject};
+use crate::{JobError, Model, Subject, When, schedule};
 
 /// A model at rest and the effect that is to move it.
 pub(crate) struct Setting {
@@ -47,6 +47,21 @@ impl<'a> PictureJob<'a> {
         }
     }
 
+    /// The time in which effects are looked at.
+    fn span(&self, effects: &[Effect], model: &Model) -> Result<Span, JobError> {
+        let Some(preset) = self.preset() else { return Ok(Span::new(0.0)) };
+        let clip = match (self.clip, model) {
+            (Some(wanted), Model::Gltf { gltf, .. }) => Some(find_clip(gltf, wanted)?),
+            _ => driving_clip(effects, model, None)?,
+        };
+        let span = Span::new(preset.duration.max(clip_seconds(model, clip)?));
+        match self.when {
+            // As long as it lasts.
+            When::All => Ok(span),
+            ref when => Ok(span.with(&schedule(when, 0.0, false, self.fps, self.max_frames)?)),
+        }
+    }
+
     pub(crate) fn preset(&self) -> Option<&'a Preset> {
         match self.shown {
             Shown::Preset { preset, .. } => Some(preset),
@@ -68,9 +83,8 @@ impl Setting {
             Some(preset) => found(&subject, preset, (folder, &job.limits), job.clip)?,
             None => Default::default(),
         };
-        let duration = job.preset().map_or(0.0, |preset| preset.duration);
-        let (subject, refinement) = refined(subject, &effects, duration, &job.limits)?;
-        let masks = masks(&subject, &effects, folder, &job.limits)?.complete()?;
+        let span = job.span(&effects, &subject.model)?;
+        let (subject, masks, refinement) = refined(subject, &effects, span, (folder, &job.limits))?;
         let mut warnings = subject.warnings();
         warnings.extend(unfound);
         warnings.extend(refinement.warnings);
@@ -119,6 +133,9 @@ impl Setting {
             && motion.evaluation.is_driven()
         {
             sense(&mut motion.evaluation, &self.gltf, &self.rest, &self.point_of, clip)?;
+        }
+        if let (Some(motion), Some(preset)) = (&mut motion, job.preset()) {
+            motion.sense_before(preset.duration)?;
         }
         Show::new(self, motion, clip, job, self.warnings.clone())
     }

@@ -319,6 +319,12 @@ impl Creases {
         let radius = strain.radius.unwrap_or(2.0 * self.thickness);
         Some(Gauges::new(&self.ground, &self.list, f64::from(radius)))
     }
+
+    /// Whether edges across the folds are too long to show them, where the creases are at the moment that [`Creases::at`] was last
+    /// asked for: [`WrinkleWarning::Coarse`]. [`Creases::warnings`] has it for 0 s.
+    pub fn coarse(&self) -> Option<WrinkleWarning> {
+        coarse(&self.ground.terrain, &self.list, self.thickness)
+    }
 }
 
 #[cfg(test)]

@@ -103,7 +103,7 @@ fn other_triangles_have_the_same_surface() {
 }
 
 /// The longest edge of a triangle that a fold moves.
-fn longest(rest: &[DVec3], now: &[DVec3], faces: &[[usize; 3]]) -> f64 {
+pub(super) fn longest(rest: &[DVec3], now: &[DVec3], faces: &[[usize; 3]]) -> f64 {
     let moved = |v: &usize| rest[*v].distance(now[*v]) > 1e-7;
     let edges = faces
         .iter()

@@ -2,6 +2,7 @@
 
 mod animated;
 mod faults;
+mod fineness;
 mod finer;
 mod grid;
 mod made;

@@ -226,3 +226,37 @@ fn an_effect_that_finds_nothing_keeps_its_number() {
         "{told}"
     );
 }
+
+#[test]
+fn what_effects_before_it_push_together_settles_in_time() {
+    let place = Place::new();
+    // Pushed together at once, a second in.
+    let preset = |settle: f64| {
+        format!(
+            "Stack([
+                Deform(object: Grid(size: (1, 1), cells: (100, 40)), duration: 2,
+                    wires: [Wire(curve: Polyline([(-0.5, 0, -0.5), (-0.5, 0, 0.5)]), radius: 1, density: Linear,
+                        pose: Keys([(1, [(-0.5, 0, -0.5), (-0.5, 0, 0.5)]), (1.02, [(-0.25, 0, -0.5), (-0.25, 0, 0.5)])]))]),
+                Wrinkle(direction: (0, 0, 1), size: (0.6, 0.6), creases: 3, thickness: 0.05, intensity: 0.02,
+                    drive: Strain(settle: {settle})),
+            ])"
+        )
+    };
+    let top = |settle, seconds| place.still(&preset(settle), seconds).iter().map(|p| p.y).fold(0.0, f64::max);
+    let full = top(0.0, 2.0);
+    assert!(top(0.0, 0.9) < 1e-6 && full > 0.01, "at once without it");
+    let rising = [0.6, 0.9, 1.01, 1.1, 1.4].map(|seconds| top(0.6, seconds));
+    assert!(rising.is_sorted() && rising[0] < 1e-6, "{rising:?}");
+    assert!(
+        rising[1] > 0.02 * full && rising[1] < 0.9 * full && rising[3] < 0.999 * full,
+        "{rising:?} of {full}"
+    );
+    assert!((rising[4] - full).abs() < 1e-6, "{rising:?} of {full}");
+    assert!((top(0.6, 60.0) - full).abs() < 1e-6, "it stays after the end");
+    assert!(top(0.6, -3.0) < 1e-6);
+    // Whichever frames are asked for.
+    place.write("settle.ron", preset(0.6));
+    place.run("apply settle.ron -o all####.obj --fps 10 -q").expect(0);
+    place.run("apply settle.ron -o one####.obj --fps 10 --frames 9..10 -q").expect(0);
+    assert!(place.read("all0009.obj") == place.read("one0009.obj"));
+}
