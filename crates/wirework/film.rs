@@ -4,13 +4,16 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use wirework_asset::{Clip, Format, Gltf, LocalDeltas, Obj, OutputFile, Player, Rest, write_obj};
+use wirework_asset::{
+    Clip, Format, Gltf, LocalDeltas, Obj, ObjPart, OutputFile, Player, Rest, write_obj, write_obj_parts,
+};
 use wirework_bake::{Baker, Settings};
 use wirework_surface::Mesh;
 
 use crate::error::count;
 use crate::motion::Motion;
 use crate::output::{Pattern, Scene, scene_mesh};
+use crate::parts::MeshPart;
 use crate::shade::{Follow, Vertices, own_normals};
 use crate::subject::Model;
 use crate::{Job, JobError, NewClip, Progress, Schedule};
@@ -133,14 +136,14 @@ impl Film<'_> {
                     Ok(())
                 })?;
             }
-            Model::Mesh { mesh, obj, .. } => {
+            Model::Mesh { parts, mesh, obj } => {
                 let (mut mesh, normals) = own_normals(&mesh, &point_of)?;
                 let places = Vertices::new(mesh.positions.clone(), point_of);
                 let mut vertices: Vec<Vertices> = [places].into_iter().chain(normals).collect();
                 self.shade += start.elapsed();
                 self.play(&mut vertices, |frame, _, vertices| {
                     follow(&mut mesh, vertices);
-                    keep(frame, obj_text(obj.as_deref(), &mesh));
+                    keep(frame, obj_text(obj.as_deref(), &parts, &mesh));
                     Ok(())
                 })?;
             }
@@ -196,8 +199,17 @@ fn follow(mesh: &mut Mesh, vertices: &[Vertices]) {
     }
 }
 
-fn obj_text(obj: Option<&Obj>, mesh: &Mesh) -> Vec<u8> {
-    obj.map_or_else(|| write_obj(mesh), |obj| obj.write(mesh))
+fn obj_text(obj: Option<&Obj>, parts: &[MeshPart], mesh: &Mesh) -> Vec<u8> {
+    let object = |part: &MeshPart| ObjPart {
+        name: part.name.clone(),
+        positions: part.positions.first().map_or(0, |range| range.end),
+        faces: part.faces.clone(),
+    };
+    match (obj, parts) {
+        (Some(obj), _) => obj.write(mesh),
+        (None, [_]) => write_obj(mesh),
+        (None, parts) => write_obj_parts(mesh, &parts.iter().map(object).collect::<Vec<_>>()),
+    }
 }
 
 /// Whether the clip that is asked for is there, whatever is written.

@@ -24,7 +24,7 @@ impl Basis {
     /// Takes a subject apart: what effects are bound to, the model, and for each of its positions the point.
     pub(crate) fn of(subject: Subject) -> (Self, Model, Vec<u32>) {
         let bounds = subject.bounds();
-        let Subject { points, triangles, model, net, point_of, origin } = subject;
+        let Subject { points, triangles, model, net, point_of, origin, pieces: _ } = subject;
         let surface = match (&net, &model) {
             (Some(_), Model::Mesh { mesh, .. }) => mesh.positions.clone(),
             _ => Vec::new(),

@@ -6,6 +6,8 @@ use wirework_asset::{Format, Gltf, Limits, NewMesh, OutputFile, Rest};
 use wirework_surface::{Mesh, VertexMesh};
 
 use crate::JobError;
+use crate::parts::cut;
+use crate::pieces::renumber;
 use crate::subject::Model;
 
 /// This many `#` in a row stand for the number of a frame.
@@ -83,31 +85,43 @@ pub(crate) struct Scene {
 impl Scene {
     /// The scene of a model; a mesh gets a document of its own.
     pub(crate) fn new(model: Model, point_of: Vec<u32>, limits: &Limits) -> Result<Self, JobError> {
-        let (name, mesh) = match model {
+        let (parts, mesh) = match model {
             Model::Gltf { gltf, rest } => {
                 return Ok(Self { gltf: *gltf, rest: *rest, point_of, source: None });
             }
-            Model::Mesh { name, mesh, .. } => (name, mesh),
+            Model::Mesh { parts, mesh, .. } => (parts, mesh),
         };
-        let VertexMesh { positions, normals, uvs, triangles, source } = VertexMesh::new(&mesh)?;
-        // glTF counts v downwards.
-        let uvs: Option<Vec<[f32; 2]>> = uvs.map(|uvs| uvs.iter().map(|uv| [uv[0], 1.0 - uv[1]]).collect());
-        let gltf = Gltf::from_meshes_within(
-            &name,
-            &[NewMesh {
-                name: &name,
-                positions: &positions,
-                normals: (!normals.is_empty()).then_some(&normals),
-                uvs: uvs.as_deref(),
-                triangles: &triangles,
-            }],
-            limits,
-        )?;
+        let mut source = Vec::new();
+        let mut nodes = Vec::with_capacity(parts.len());
+        for part in &parts {
+            let mut vertices = if parts.len() == 1 {
+                VertexMesh::new(&mesh)?
+            } else {
+                let (own, positions) = cut(&mesh, part);
+                let mut vertices = VertexMesh::new(&own)?;
+                renumber(&mut vertices.source, &positions);
+                vertices
+            };
+            source.append(&mut vertices.source);
+            // glTF counts v downwards.
+            vertices.uvs.iter_mut().flatten().for_each(|uv| uv[1] = 1.0 - uv[1]);
+            nodes.push((part.name.as_str(), vertices));
+        }
+        let meshes: Vec<NewMesh<'_>> =
+            nodes.iter().map(|(name, vertices)| new_mesh(name, vertices)).collect();
+        let name = parts.first().map_or("", |part| part.name.as_str());
+        let gltf = Gltf::from_meshes_within(name, &meshes, limits)?;
         let rest = gltf.rest()?;
         let point_of =
             source.iter().map(|&i| point_of.get(i as usize).copied().unwrap_or_default()).collect();
         Ok(Self { gltf, rest, point_of, source: Some(source) })
     }
+}
+
+fn new_mesh<'a>(name: &'a str, vertices: &'a VertexMesh) -> NewMesh<'a> {
+    let VertexMesh { positions, normals, uvs, triangles, .. } = vertices;
+    let normals = (!normals.is_empty()).then_some(normals.as_slice());
+    NewMesh { name, positions, normals, uvs: uvs.as_deref(), triangles }
 }
 
 /// The present state of a scene as one mesh. Normals are written if every vertex in a face has one.

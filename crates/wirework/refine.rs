@@ -7,8 +7,8 @@ use wirework_surface::{
 };
 
 use crate::subject::{Model, Origin, Subject};
-use crate::weld::Weld;
-use crate::{ControlNet, JobError};
+use crate::weld::{ANY, Weld};
+use crate::{ControlNet, JobError, MeshPart, Pieces, SubjectPiece, parts};
 
 /// What was done to a subject.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -59,39 +59,42 @@ impl Subject {
             );
             return Ok((self, Refinement { warnings: vec![warning], ..Refinement::default() }));
         }
-        let Self { points, triangles, model, net, point_of, origin } = self;
+        let Self { points, triangles, model, net, pieces, point_of, origin } = self;
         let wanted = Wanted { places: &points, place_of: &point_of, longest: wanted };
         match model {
-            Model::Mesh { name, mesh, obj } => {
+            Model::Mesh { parts, mesh, obj } => {
                 let finer = mesh.subdivide(&wanted, room(limits)).map_err(refused(&origin, limits))?;
                 if finer.is_empty() {
-                    let model = Model::Mesh { name, mesh, obj };
-                    let same = Self { points, triangles, model, net, point_of, origin };
+                    let model = Model::Mesh { parts, mesh, obj };
+                    let same = Self { points, triangles, model, net, pieces, point_of, origin };
                     return Ok((same, Refinement::default()));
                 }
                 let positions = mesh.positions.len() + finer.positions.len();
                 limits
                     .check_mesh(positions as u64, finer.corners.len() as u64)
                     .map_err(|error| in_file(error, &origin))?;
-                let done = FinerMesh { name: name.clone(), before: mesh.positions.len(), after: positions };
+                let finer_parts = parts::refined(&parts, mesh.positions.len(), &finer);
+                let done = parts.iter().zip(&finer_parts).filter(|(a, b)| a.count() < b.count());
+                let done = done.map(|(a, b)| told_part(a, b)).collect();
+                let pieces = Split::of(pieces, &point_of, &finer.positions);
                 let smooth = smooth(&mesh, &finer);
                 let (mut mesh, obj) = finer_mesh(&mesh, obj.as_deref(), &finer, limits)?;
                 if let Some(normals) = smooth {
                     mesh.normals = normals;
                     mesh.corners.iter_mut().for_each(|corner| corner.normal = Some(corner.position));
                 }
-                let subject = Self { origin, ..Self::new(Model::Mesh { name, mesh, obj })? };
-                Ok((subject, Refinement { meshes: vec![done], ..Refinement::default() }))
+                let subject = pieces.subject(Model::Mesh { parts: finer_parts, mesh, obj })?;
+                Ok((Self { origin, ..subject }, Refinement { meshes: done, ..Refinement::default() }))
             }
             Model::Gltf { gltf, rest } => {
                 let finer =
                     subdivide(&rest.triangles, &wanted, room(limits)).map_err(refused(&origin, limits))?;
                 if finer.is_empty() {
                     let model = Model::Gltf { gltf, rest };
-                    let same = Self { points, triangles, model, net, point_of, origin };
+                    let same = Self { points, triangles, model, net, pieces, point_of, origin };
                     return Ok((same, Refinement::default()));
                 }
-                let (subject, done) = finer_scene(*gltf, &rest, points, &point_of, &finer)?;
+                let (subject, done) = finer_scene((*gltf, &rest), (points, pieces), &point_of, &finer)?;
                 Ok((Self { origin, ..subject }, done))
             }
         }
@@ -130,9 +133,8 @@ fn smooth(mesh: &Mesh, finer: &MeshSubdivision) -> Option<Vec<[f32; 3]>> {
 /// A scene with finer meshes. New vertices share a point where their parents do, even if rounding has put them apart: no
 /// seam can open.
 fn finer_scene(
-    mut gltf: Gltf,
-    rest: &Rest,
-    mut points: Vec<[f32; 3]>,
+    (mut gltf, rest): (Gltf, &Rest),
+    (mut points, mut pieces): (Vec<[f32; 3]>, Pieces),
     point_of: &[u32],
     finer: &Subdivision,
 ) -> Result<(Subject, Refinement), JobError> {
@@ -150,7 +152,7 @@ fn finer_scene(
         }
     }
     // A new point may fall on another one, as where one side of a seam had a vertex that the other did not.
-    let weld = Weld::new(&points);
+    let weld = if pieces.is_empty() { Weld::new(&points) } else { weld(&points, &mut pieces, finer) };
     let point_of: Vec<u32> = of_vertices.iter().map(|&place| weld.point_of[place as usize]).collect();
     let triangles = &refined.rest.triangles;
     let triangles = triangles.iter().map(|t| t.map(|v| point_of[v as usize])).collect();
@@ -161,9 +163,70 @@ fn finer_scene(
         origin: Origin::File(gltf.file().to_owned()),
         model: Model::Gltf { gltf: Box::new(gltf), rest: Box::new(refined.rest) },
         net: None,
+        pieces,
         point_of,
     };
     Ok((subject, Refinement { meshes, warnings: Vec::new() }))
+}
+
+/// The places of points in pieces, the first ones old. The new ones join the pieces of their parents and their sides.
+fn weld(points: &[[f32; 3]], pieces: &mut Pieces, finer: &Subdivision) -> Weld {
+    let old = points.len().saturating_sub(finer.place_parents.len());
+    let new = || finer.place_parents.iter().copied().zip(old as u32..);
+    for ([a, b], _) in new() {
+        let piece = pieces.of(a).min(pieces.of(b));
+        pieces.of_points.push(piece);
+    }
+    pieces.refine_sides(new());
+    // Halved once for both its sides, an edge has no two middles that were to be one.
+    let number = |(point, &piece): (u32, &u32)| if pieces.is_distinct(piece) { point } else { ANY };
+    let own: Vec<u32> = (0..).zip(&pieces.of_points).map(number).collect();
+    let weld = Weld::in_pieces(points, &pieces.of_points, &own);
+    let list = std::mem::take(&mut pieces.list);
+    *pieces = Pieces::of_model(list, &pieces.of_points, &weld.point_of, weld.points.len());
+    weld
+}
+
+/// The pieces of a mesh that is made finer.
+struct Split {
+    pieces: Pieces,
+    /// For each position its piece; empty without pieces.
+    of_positions: Vec<u32>,
+    parents: Vec<[u32; 2]>,
+}
+
+impl Split {
+    fn of(pieces: Pieces, point_of: &[u32], parents: &[[u32; 2]]) -> Self {
+        if pieces.is_empty() {
+            return Self { pieces, of_positions: Vec::new(), parents: Vec::new() };
+        }
+        let mut of_positions: Vec<u32> = point_of.iter().map(|&point| pieces.of(point)).collect();
+        let of = |list: &[u32], i: u32| list.get(i as usize).copied().unwrap_or(Pieces::NONE);
+        for &[a, b] in parents {
+            of_positions.push(of(&of_positions, a).min(of(&of_positions, b)));
+        }
+        Self { pieces, of_positions, parents: parents.to_vec() }
+    }
+
+    /// The subject of the finer model, whose old points have the numbers they had.
+    fn subject(self, model: Model) -> Result<Subject, JobError> {
+        let Self { pieces, of_positions, parents } = self;
+        let bare = pieces.list.iter().map(|piece| SubjectPiece { sides: None, ..piece.clone() }).collect();
+        let mut subject = Subject::with_pieces(model, bare, &of_positions, &[])?;
+        for (new, old) in subject.pieces.list.iter_mut().zip(pieces.list) {
+            new.sides = old.sides;
+        }
+        let point = |position: usize| subject.point_of.get(position).copied().unwrap_or_default();
+        let first = of_positions.len() - parents.len();
+        let new = parents.iter().zip(first..);
+        let new = new.map(|(ends, middle)| (ends.map(|end| point(end as usize)), point(middle)));
+        subject.pieces.refine_sides(new);
+        Ok(subject)
+    }
+}
+
+fn told_part(before: &MeshPart, after: &MeshPart) -> FinerMesh {
+    FinerMesh { name: before.name.clone(), before: before.count(), after: after.count() }
 }
 
 fn told(gltf: &Gltf, refined: &RefinedMesh) -> FinerMesh {

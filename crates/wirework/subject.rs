@@ -9,10 +9,11 @@ use wirework_preset::{Effect, Object, Preset, PresetError};
 use wirework_surface::{Bounds, Mesh, Transform};
 
 use crate::mask::{Masks, masks};
+use crate::parts::{MeshPart, of_positions};
 use crate::strain::{driving_clip, found, sense, sense_before};
 use crate::unfit::unfit;
-use crate::weld::Weld;
-use crate::{ControlNet, Evaluation, JobError};
+use crate::weld::{ANY, Weld};
+use crate::{ControlNet, Evaluation, JobError, Pieces, SubjectPiece};
 
 /// An object ready for an effect.
 #[derive(Clone, Debug)]
@@ -25,6 +26,8 @@ pub struct Subject {
     pub model: Model,
     /// Where there is one, the points are its control points, and the model is the surface they make.
     pub net: Option<ControlNet>,
+    /// Which points belong to which piece of a stitch; of other subjects there are none.
+    pub pieces: Pieces,
     /// For each position of the model its point; with a net its point of the surface.
     pub(crate) point_of: Vec<u32>,
     pub(crate) origin: Origin,
@@ -46,9 +49,9 @@ pub(crate) enum Origin {
 pub enum Model {
     /// A polygon mesh or a point set.
     Mesh {
-        /// What its node is called in a glTF document.
-        name: String,
-        /// Its geometry.
+        /// Its parts, a node each in a glTF document: the pieces of a stitch, and whatever else is one.
+        parts: Vec<MeshPart>,
+        /// The geometry of all of them.
         mesh: Mesh,
         /// The file it was read from, if there is one.
         obj: Option<Box<Obj>>,
@@ -151,9 +154,9 @@ impl Subject {
             return Ok(subject);
         }
         match subject.model {
-            Model::Mesh { name, mut mesh, obj } => {
+            Model::Mesh { parts, mut mesh, obj } => {
                 object.transform.apply_to_mesh(&mut mesh).map_err(|error| JobError::Object(error.into()))?;
-                Self::new(Model::Mesh { name, mesh, obj })
+                Self::new(Model::Mesh { parts, mesh, obj })
             }
             Model::Gltf { mut gltf, .. } => {
                 gltf.place(&object.transform)?;
@@ -168,12 +171,14 @@ impl Subject {
     ///
     /// The mesh is not consistent.
     pub fn from_mesh(name: &str, mesh: Mesh) -> Result<Self, JobError> {
-        Self::new(Model::Mesh { name: name.to_owned(), mesh, obj: None })
+        let parts = vec![MeshPart::whole(name, &mesh, true)];
+        Self::new(Model::Mesh { parts, mesh, obj: None })
     }
 
     /// An OBJ file that has been read.
     fn from_obj(name: String, obj: Obj) -> Result<Self, JobError> {
-        Self::new(Model::Mesh { name, mesh: obj.mesh.clone(), obj: Some(Box::new(obj)) })
+        let parts = vec![MeshPart::whole(name, &obj.mesh, false)];
+        Self::new(Model::Mesh { parts, mesh: obj.mesh.clone(), obj: Some(Box::new(obj)) })
     }
 
     /// The scene of a glTF document.
@@ -187,26 +192,41 @@ impl Subject {
         let triangles = weld.triangles(&rest.triangles);
         let origin = Origin::File(gltf.file().to_owned());
         let model = Model::Gltf { gltf: Box::new(gltf), rest: Box::new(rest) };
-        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, origin })
+        Ok(Self::welded(weld, triangles, model, origin))
+    }
+
+    fn welded(weld: Weld, triangles: Vec<[u32; 3]>, model: Model, origin: Origin) -> Self {
+        let Weld { points, point_of } = weld;
+        Self { points, triangles, model, point_of, net: None, pieces: Pieces::default(), origin }
     }
 
     pub(crate) fn new(model: Model) -> Result<Self, JobError> {
-        let Model::Mesh { mesh, obj, .. } = &model else {
-            return Ok(Self {
-                points: Vec::new(),
-                triangles: Vec::new(),
-                model,
-                point_of: Vec::new(),
-                net: None,
-                origin: Origin::Program,
-            });
+        Self::with_pieces(model, Vec::new(), &[], &[])
+    }
+
+    /// A model in pieces: for each of its positions the piece, and in a glTF scene the number that sets a vertex apart from others
+    /// of its piece at its place, or [`ANY`]; the sides of the pieces are lists of positions.
+    pub(crate) fn with_pieces(
+        model: Model,
+        list: Vec<SubjectPiece>,
+        of_positions: &[u32],
+        own: &[u32],
+    ) -> Result<Self, JobError> {
+        let (weld, triangles, origin) = match &model {
+            Model::Mesh { parts, mesh, obj } => {
+                let triangles = mesh.triangles()?;
+                let weld = weld_parts(parts, mesh, of_positions);
+                let origin = obj.as_ref().map_or(Origin::Program, |obj| Origin::File(obj.file().to_owned()));
+                (weld, triangles, origin)
+            }
+            Model::Gltf { gltf, rest } => {
+                let weld = Weld::in_pieces(&rest.positions, of_positions, own);
+                (weld, rest.triangles.clone(), Origin::File(gltf.file().to_owned()))
+            }
         };
-        let triangles = mesh.triangles()?;
-        // Primitives list each position once; files may not.
-        let weld = if obj.is_some() { Weld::new(&mesh.positions) } else { Weld::distinct(&mesh.positions) };
         let triangles = weld.triangles(&triangles);
-        let origin = obj.as_ref().map_or(Origin::Program, |obj| Origin::File(obj.file().to_owned()));
-        Ok(Self { points: weld.points, triangles, model, point_of: weld.point_of, net: None, origin })
+        let pieces = Pieces::of_model(list, of_positions, &weld.point_of, weld.points.len());
+        Ok(Self { pieces, ..Self::welded(weld, triangles, model, origin) })
     }
 
     /// Binds the effects of a preset to the points. Files that it names are relative to `preset_dir`. What a clip
@@ -289,6 +309,23 @@ impl Subject {
                 all.extend(lines(gltf.file(), &rest.warnings));
                 all
             }
+        }
+    }
+}
+
+/// The places of a mesh. What a preset makes lists each position once; files may not.
+fn weld_parts(parts: &[MeshPart], mesh: &Mesh, pieces: &[u32]) -> Weld {
+    match parts {
+        _ if parts.iter().all(|part| part.distinct) => Weld::distinct(&mesh.positions),
+        [_] if pieces.is_empty() => Weld::new(&mesh.positions),
+        _ => {
+            let of = of_positions(parts, mesh.positions.len());
+            let is_distinct = |part: u32| parts.get(part as usize).is_some_and(|part| part.distinct);
+            let number = |(i, &part): (u32, &u32)| if is_distinct(part) { i } else { ANY };
+            let own: Vec<u32> = (0..).zip(&of).map(number).collect();
+            // Parts that are no pieces are apart from each other, too.
+            let apart: Vec<u32> = if pieces.is_empty() { of } else { pieces.to_vec() };
+            Weld::in_pieces(&mesh.positions, &apart, &own)
         }
     }
 }

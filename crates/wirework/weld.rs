@@ -6,8 +6,13 @@
 use rayon::prelude::*;
 use wirework_surface::Distinct;
 
+use crate::Pieces;
+
 /// So many positions are placed by one thread at a time.
 const BLOCK: usize = 1 << 12;
+
+/// No number of its own.
+pub(crate) const ANY: u32 = u32::MAX;
 
 /// The places of a list of positions.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +26,22 @@ pub(crate) struct Weld {
 impl Weld {
     pub(crate) fn new(positions: &[[f32; 3]]) -> Self {
         let Distinct { of, first } = Distinct::new(positions.len(), |i| positions[i]);
+        Self { points: first.iter().map(|&i| positions[i as usize]).collect(), point_of: of }
+    }
+
+    /// The same of positions in pieces: those of one piece that are at one place are one, unless each has a number of its `own`
+    /// and these differ.
+    pub(crate) fn in_pieces(positions: &[[f32; 3]], pieces: &[u32], own: &[u32]) -> Self {
+        let row = |i: usize| {
+            let [x, y, z] = positions[i];
+            let piece = pieces.get(i).copied().unwrap_or(Pieces::NONE);
+            let own = own.get(i).copied().unwrap_or(ANY);
+            // Halves of a number are numbers that `f32` has.
+            let halves = |number: u32| [(number & 0xffff) as f32, (number >> 16) as f32];
+            let ([a, b], [c, d]) = (halves(piece), halves(own));
+            [x, y, z, a, b, c, d]
+        };
+        let Distinct { of, first } = Distinct::new(positions.len(), row);
         Self { points: first.iter().map(|&i| positions[i as usize]).collect(), point_of: of }
     }
 

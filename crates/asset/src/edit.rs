@@ -51,7 +51,7 @@ impl Gltf {
     }
 
     /// The buffer that takes new data: the BIN chunk, or one that is added.
-    fn growing(&mut self) -> Result<usize, AssetError> {
+    pub(crate) fn growing(&mut self) -> Result<usize, AssetError> {
         if let Some(index) = self.growing {
             return Ok(index);
         }

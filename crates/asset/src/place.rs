@@ -62,7 +62,7 @@ impl Gltf {
     }
 
     /// The root nodes that the scene shows, each once.
-    fn roots(&self, graph: &Graph) -> Result<Vec<usize>, AssetError> {
+    pub(crate) fn roots(&self, graph: &Graph) -> Result<Vec<usize>, AssetError> {
         let Some(mut listed) = self.scene_nodes(graph.nodes.len())? else { return Ok(graph.roots()) };
         for &node in &listed {
             if let Some(parent) = graph.nodes[node].parent {

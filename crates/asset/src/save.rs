@@ -218,7 +218,7 @@ impl Gltf {
     }
 
     /// The images that are not in a buffer view yet, and can be taken in.
-    fn loose_images(&self) -> Vec<(usize, String, Vec<u8>)> {
+    pub(crate) fn loose_images(&self) -> Vec<(usize, String, Vec<u8>)> {
         let mut budget = Budget::new(&self.limits);
         let all = 0..self.list("images").len();
         let loose = all.filter_map(|index| Some((index, self.loose_image(index, &mut budget)?)));
@@ -235,7 +235,7 @@ impl Gltf {
 }
 
 /// Lets a view refer to where its buffer has gone. One that no buffer can hold, of which reading warned, stays as it is.
-fn move_view(view: &mut Value, starts: &[(usize, usize)]) {
+pub(crate) fn move_view(view: &mut Value, starts: &[(usize, usize)]) {
     let Some((place, start)) = view.get("buffer").and_then(whole).and_then(|buffer| starts.get(buffer))
     else {
         return;

@@ -40,7 +40,7 @@ pub(crate) struct Member {
     pub(crate) required: bool,
 }
 
-const fn may(key: &'static str, kind: Kind) -> Member {
+pub(crate) const fn may(key: &'static str, kind: Kind) -> Member {
     Member { key, kind, required: false }
 }
 

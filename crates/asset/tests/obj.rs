@@ -1,7 +1,7 @@
 //! OBJ files.
 
 use proptest::prelude::*;
-use wirework_asset::{Limits, Obj, Place, write_obj};
+use wirework_asset::{Limits, Obj, ObjPart, Place, write_obj, write_obj_parts};
 use wirework_surface::{Corner, Mesh};
 
 fn read(text: &[u8]) -> Result<Obj, wirework_asset::AssetError> {
@@ -105,4 +105,30 @@ proptest! {
             let _ = obj.write(&moved);
         }
     }
+}
+
+#[test]
+fn parts_are_objects_one_behind_the_other() {
+    let corner = |position| Corner { position, uv: None, normal: None };
+    let mesh = Mesh {
+        positions: (0..6).map(|i| [i as f32, 0.0, 0.0]).collect(),
+        corners: [0, 1, 2, 4, 5, 3].map(corner).to_vec(),
+        face_ends: vec![3, 6],
+        ..Mesh::default()
+    };
+    let part = |name: &str, positions, faces| ObjPart { name: name.into(), positions, faces };
+    let text = write_obj_parts(&mesh, &[part("a b", 3, 0..1), part(" #c\n", 6, 1..2)]);
+    let expected = "o a b\nv 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\no _c_\nv 3 0 0\nv 4 0 0\nv 5 0 0\nf 5 6 4\n";
+    assert_eq!(String::from_utf8(text.clone()).unwrap(), expected);
+    let obj = Obj::from_slice(&text, "parts.obj", &Limits::default()).unwrap();
+    assert_eq!(
+        (obj.mesh.clone(), obj.in_groups(&["a b"]).of_positions[..4].to_vec()),
+        (mesh.clone(), vec![true, true, true, false])
+    );
+    // A position that another part's faces need first is listed there, under the number it has.
+    let text = write_obj_parts(&mesh, &[part("last", 3, 1..2), part("first", 6, 0..1)]);
+    assert_eq!(
+        Obj::from_slice(&text, "parts.obj", &Limits::default()).unwrap().mesh.positions,
+        mesh.positions
+    );
 }

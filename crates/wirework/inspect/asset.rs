@@ -11,9 +11,9 @@ use wirework_surface::{Bounds, Mesh};
 
 use super::parts::{broken_colors, groups, materials, named_parts, nodes, of_mesh};
 use super::{AnimationFacts, AssetFacts, BoundsFacts, MeshFacts, PartFacts, SkinFacts};
-use crate::JobError;
 use crate::evaluate::{bounds_frame, has_extent};
 use crate::subject::{FileKind, Model, Subject};
+use crate::{JobError, MeshPart};
 
 /// An asset that effects refuse, and what can be told of it nevertheless.
 #[derive(Debug, Error)]
@@ -39,7 +39,7 @@ pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, Box<Ref
     let subject =
         Subject::read(path, limits).map_err(|error| refused(outline(path, limits, &error), error))?;
     let mut facts = match &subject.model {
-        Model::Mesh { mesh, name, obj } => of_obj(name, mesh, obj.as_deref(), &subject),
+        Model::Mesh { mesh, parts, obj } => of_obj(parts, mesh, obj.as_deref(), &subject),
         Model::Gltf { gltf, rest } => {
             let mut facts = of_document(gltf.json(), gltf.is_binary());
             facts.warnings = subject.warnings();
@@ -82,12 +82,12 @@ fn outline(path: &Path, limits: &Limits, error: &JobError) -> AssetFacts {
     }
 }
 
-fn of_obj(name: &str, mesh: &Mesh, obj: Option<&Obj>, subject: &Subject) -> AssetFacts {
+fn of_obj(parts: &[MeshPart], mesh: &Mesh, obj: Option<&Obj>, subject: &Subject) -> AssetFacts {
     let mut warnings = subject.warnings();
     AssetFacts {
         container: Some("obj"),
         meshes: vec![of_mesh(mesh, obj, subject.triangles.len(), &mut warnings)],
-        groups: groups(name, mesh, obj),
+        groups: groups(parts, obj),
         materials: obj.map_or_else(Vec::new, |obj| named_parts(obj.material_census())),
         warnings,
         ..AssetFacts::default()

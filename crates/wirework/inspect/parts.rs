@@ -7,6 +7,7 @@ use wirework_asset::{AssetError, Gltf, Obj, Rest};
 use wirework_surface::Mesh;
 
 use super::MeshFacts;
+use crate::MeshPart;
 
 /// A node that can be named in `only`: by its name, or where that is missing by its number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -63,11 +64,11 @@ pub(super) fn materials(gltf: &Gltf, rest: &Rest) -> Result<Vec<PartFacts>, Asse
     Ok(gltf.material_census(rest)?.into_iter().enumerate().map(fact).collect())
 }
 
-/// The groups of an OBJ of this name.
-pub(super) fn groups(name: &str, mesh: &Mesh, obj: Option<&Obj>) -> Vec<PartFacts> {
+/// The groups of an OBJ; without any its parts are what can be named.
+pub(super) fn groups(parts: &[MeshPart], obj: Option<&Obj>) -> Vec<PartFacts> {
     let mut census = obj.map(Obj::group_census).unwrap_or_default();
     if census.is_empty() {
-        census.insert(name.to_owned(), mesh.positions.len());
+        census.extend(parts.iter().map(|part| (part.name.clone(), part.count())));
     }
     named_parts(census)
 }

@@ -6,7 +6,8 @@ use wirework_asset::{Gltf, Obj, Rest, printable};
 use wirework_preset::{Named, Only, PresetError};
 
 use super::{Lack, MISSING_LISTED};
-use crate::{Model, Subject};
+use crate::parts::of_positions;
+use crate::{MeshPart, Model, Pieces, Subject};
 
 /// So many joints without a name are many: their numbers tell nobody where they are.
 const MANY_NUMBERS: usize = 4;
@@ -17,8 +18,8 @@ const NODES_LISTED: usize = 8;
 /// The factor of each point: the least of its vertices.
 ///
 /// - `Nodes`: 1 at vertices of a mesh that a node of such a name shows, else 0. A node without a mesh stands for all below it.
-///   In an OBJ file, objects and groups are the nodes; without any, and in what a preset makes, there is one, with the name
-///   that it has when it is written as glTF.
+///   In an OBJ file, objects and groups are the nodes; without any, and in what a preset makes, they are those that
+///   it has when it is written as glTF.
 /// - `Materials`: 1 at vertices all of whose faces have such a material.
 /// - `Joints`: the sum of the vertex's normalised weights for these joints; 0 without a skin.
 ///
@@ -26,9 +27,9 @@ const NODES_LISTED: usize = 8;
 /// have no names.
 pub(super) fn factors(only: &Only, subject: &Subject, warnings: &mut Vec<String>) -> Result<Vec<f32>, Lack> {
     let of_vertices = match &subject.model {
-        Model::Gltf { gltf, rest } => of_gltf(only, gltf, rest, warnings)?,
-        Model::Mesh { name, mesh, obj } => {
-            of_mesh(only, name, mesh.positions.len(), obj.as_deref(), warnings)?
+        Model::Gltf { gltf, rest } => of_gltf(only, (gltf, rest), &subject.pieces, warnings)?,
+        Model::Mesh { parts, mesh, obj } => {
+            of_mesh(only, parts, mesh.positions.len(), obj.as_deref(), warnings)?
         }
     };
     if subject.net.is_some() {
@@ -58,12 +59,18 @@ fn shared(of_vertices: &[f32], subject: &Subject, of_points: &[f32]) -> Option<S
     (stay > 0).then(message)
 }
 
-fn of_gltf(only: &Only, gltf: &Gltf, rest: &Rest, warnings: &mut Vec<String>) -> Result<Vec<f32>, Lack> {
+fn of_gltf(
+    only: &Only,
+    (gltf, rest): (&Gltf, &Rest),
+    pieces: &Pieces,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<f32>, Lack> {
     match only {
         Only::Nodes(_) => {
             let table = Table::new((0..gltf.node_count()).map(|node| (gltf.node_name(node), node)));
             let mut nodes = Vec::new();
-            for (named, list) in table.look_up(only, |named| shown_mesh(gltf, named))? {
+            for (named, mut list) in table.look_up(only, |named| shown_mesh(gltf, named))? {
+                list.extend(pieces.nodes(&named.name));
                 let shown = gltf.mesh_nodes(&list);
                 if !rest.blocks.iter().any(|block| shown.binary_search(&block.node).is_ok()) {
                     warnings.push(without(named, "shows no vertex of the scene"));
@@ -108,7 +115,7 @@ fn of_gltf(only: &Only, gltf: &Gltf, rest: &Rest, warnings: &mut Vec<String>) ->
 
 fn of_mesh(
     only: &Only,
-    name: &str,
+    parts: &[MeshPart],
     count: usize,
     obj: Option<&Obj>,
     warnings: &mut Vec<String>,
@@ -119,7 +126,7 @@ fn of_mesh(
         _ => BTreeSet::new(),
     };
     let whole = matches!(only, Only::Nodes(_)) && known.is_empty();
-    known.extend(whole.then(|| name.to_owned()));
+    known.extend(parts.iter().filter(|_| whole).map(|part| part.name.clone()));
     let list: Vec<&str> = known.iter().map(String::as_str).collect();
     let missing = only.names().iter().filter(|named| !known.contains(&named.name));
     let missing: Vec<PresetError> =
@@ -131,8 +138,13 @@ fn of_mesh(
     let members = match (only, obj.filter(|_| !whole)) {
         (Only::Nodes(_), Some(obj)) => obj.in_groups(&names),
         (Only::Materials(_), Some(obj)) => obj.of_materials(&names),
-        // It is one node, and that is named.
-        _ => return Ok(vec![1.0; count]),
+        _ => {
+            let is_named = |part: &MeshPart| names.contains(&part.name.as_str());
+            let named: Vec<bool> = parts.iter().map(is_named).collect();
+            let of = of_positions(parts, count);
+            let is_member = |part: &u32| named.get(*part as usize) == Some(&true);
+            return Ok(ones(&of.iter().map(is_member).collect::<Vec<_>>()));
+        }
     };
     let idle = only.names().iter().filter(|named| !members.used.contains(&named.name));
     warnings.extend(idle.map(|named| without(named, "has no face")));

@@ -19,7 +19,7 @@ use crate::error::Warning;
 
 pub use material::{ObjElements, ObjMaterial, ObjTexture};
 pub use paint::ObjMembers;
-pub use write::write_obj;
+pub use write::{ObjPart, write_obj, write_obj_parts};
 
 /// An OBJ file: its geometry, and its text for writing it back.
 #[derive(Clone, Debug)]

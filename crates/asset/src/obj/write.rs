@@ -1,6 +1,7 @@
 //! Writing OBJ. Numbers are the shortest that read back as the same `f32`.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use wirework_surface::{Corner, Mesh};
 
@@ -26,6 +27,58 @@ pub fn write_obj(mesh: &Mesh) -> Vec<u8> {
         start = end as usize;
     }
     out.into_bytes()
+}
+
+/// A part of a mesh that is an object of its own in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ObjPart {
+    /// Its name.
+    pub name: String,
+    /// The first position that is listed behind its own.
+    pub positions: u32,
+    /// Its faces.
+    pub faces: Range<u32>,
+}
+
+/// A mesh as OBJ text of several objects, one after the other: the positions, texture coordinates and normals that have not been
+/// listed yet and that an object needs, then its polygons. Numbers are those of the mesh.
+pub fn write_obj_parts(mesh: &Mesh, parts: &[ObjPart]) -> Vec<u8> {
+    let mut out = String::new();
+    let mut listed = [0; 3];
+    for ObjPart { name, positions, faces } in parts {
+        let own = || mesh.faces().skip(faces.start as usize).take(faces.len());
+        let mut ends = [*positions as usize, 0, 0];
+        for corner in own().flatten() {
+            let used = [Some(corner.position), corner.uv, corner.normal];
+            for (end, index) in ends.iter_mut().zip(used) {
+                *end = index.map_or(0, |index| index as usize + 1).max(*end);
+            }
+        }
+        object(&mut out, name);
+        list(&mut out, "v", &mesh.positions, &mut listed[0], ends[0]);
+        list(&mut out, "vt", &mesh.uvs, &mut listed[1], ends[1]);
+        list(&mut out, "vn", &mesh.normals, &mut listed[2], ends[2]);
+        for corners in own() {
+            face(&mut out, corners);
+            out.push('\n');
+        }
+    }
+    out.into_bytes()
+}
+
+/// The line that an object begins with, its name as readers take it: words without a comment or the end of a line among them.
+fn object(out: &mut String, name: &str) {
+    let plain = |c: char| if c.is_control() || matches!(c, '#' | '\\') { '_' } else { c };
+    let name: String = name.chars().map(plain).collect();
+    let name = name.trim();
+    let _ = writeln!(out, "o {}", if name.is_empty() { "_" } else { name });
+}
+
+/// Lists what of some rows has not been listed, up to `end`.
+fn list<const N: usize>(out: &mut String, keyword: &str, rows: &[[f32; N]], listed: &mut usize, end: usize) {
+    let count = end.saturating_sub(*listed);
+    rows.iter().skip(*listed).take(count).for_each(|row| line(out, keyword, row));
+    *listed = end.max(*listed);
 }
 
 pub(super) fn line(out: &mut String, keyword: &str, numbers: &[f32]) {
