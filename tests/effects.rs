@@ -317,7 +317,9 @@ fn parts_of_nothing_are_refused() {
     );
     let subject = subject(&preset);
     let error = subject.bind(&preset, Path::new(""), &Limits::default()).unwrap_err();
-    assert!(matches!(&error, JobError::OwnObject(EvaluateError::NoExtent { effect: 1 })), "{error:?}");
+    let JobError::Preset(found) = &error else { panic!("{error:?}") };
+    assert!(found.message.contains("needs an object with an extent"), "{found:?}");
+    assert_eq!((found.column, found.path.as_str()), (144, "[1].units"));
     assert_eq!(error.fault(), Fault::Preset);
     let lost = Evaluation::new(&preset.effects, &[[f32::NAN; 3]], &[]).unwrap_err();
     assert_eq!(lost, EvaluateError::NoExtent { effect: 1 });

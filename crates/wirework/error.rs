@@ -48,7 +48,8 @@ pub enum JobError {
     /// The preset names no object and there is no input.
     #[error("the preset names no object to work on: give an input, or add `object: ..` to it")]
     NoObject,
-    /// A name or an image that the preset asks for is not there, or cannot be used; with its place in the preset.
+    /// A name or an image that the preset asks for is not there, or cannot be used, or an effect does not fit the object through
+    /// its own fault; with its place in the preset.
     #[error("{0}")]
     Preset(Box<PresetError>),
     /// The preset's object cannot be built.
@@ -60,10 +61,10 @@ pub enum JobError {
     /// The moments asked for make no sense.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
-    /// The effect does not fit the object.
+    /// The effect does not fit the object, through no fault of the preset.
     #[error("the effect cannot be applied: {0}")]
     Evaluate(#[from] EvaluateError),
-    /// The effect does not fit the object in a file.
+    /// The effect does not fit the object in a file, through no fault of the preset.
     #[error("{}: the effect cannot be applied: {error}", printable(.file))]
     Unfit {
         /// The file.
@@ -71,7 +72,7 @@ pub enum JobError {
         /// Why.
         error: EvaluateError,
     },
-    /// The effect does not fit the object that its own preset brings along.
+    /// The effect does not fit the object that its own preset brings along, through no fault of its own: a limit.
     #[error("the effect does not fit the preset's object: {0}")]
     OwnObject(EvaluateError),
     /// The effect throws a point out of the range of numbers.
