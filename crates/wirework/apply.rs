@@ -8,8 +8,8 @@ use wirework_bake::{Bake, Settings};
 use wirework_preset::{Effect, Preset};
 
 use crate::film::{Film, check_clip};
-use crate::fineness::{Span, refined};
-use crate::mask::Masks;
+use crate::fineness::Span;
+use crate::fit::{Fit, fit};
 use crate::motion::Basis;
 use crate::output::{Pattern, Scene, Target};
 use crate::report::peak_bytes;
@@ -123,10 +123,10 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     let target = target(job, &expected(job)?)?;
     let source = job.source();
     guard_reports(job, source.files())?;
-    let Prepared { subject, effects, masks, clip, schedule, sought, mut report } = prepare(job, &source)?;
+    let Prepared { subject, effects, fit, clip, schedule, sought, mut report } = prepare(job, &source)?;
     let (basis, model, point_of) = Basis::of(subject);
     guard_reports(job, parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())))?;
-    let mut motion = basis.bind(&effects, masks)?;
+    let mut motion = basis.bind(&effects, fit)?;
     if let (Some(clip), Model::Gltf { gltf, rest }) = (clip, &model) {
         sense(&mut motion.evaluation, gltf, rest, &point_of, clip)?;
     }
@@ -165,7 +165,7 @@ fn times(job: &Job<'_>, length: Length) -> Result<Schedule, JobError> {
 struct Prepared {
     subject: Subject,
     effects: Vec<Effect>,
-    masks: Masks,
+    fit: Fit,
     /// The clip that drives effects.
     clip: Option<usize>,
     schedule: Schedule,
@@ -191,7 +191,7 @@ fn prepare(job: &Job<'_>, source: &Source<'_>) -> Result<Prepared, JobError> {
     }
     let schedule = times(job, length)?;
     let span = Span::new(preset.duration).with(&schedule);
-    let (subject, masks, refinement) = refined(subject, &effects, span, (source.folder(), &job.limits))?;
+    let (subject, fit, refinement) = fit(subject, &effects, span, (source.folder(), &job.limits))?;
     let mut report = Report {
         points: subject.position_count(),
         frames: schedule.count(),
@@ -202,7 +202,7 @@ fn prepare(job: &Job<'_>, source: &Source<'_>) -> Result<Prepared, JobError> {
     };
     report.warnings.extend(unfound);
     report.warnings.extend(refinement.warnings);
-    Ok(Prepared { subject, effects, masks, clip, schedule, sought, report })
+    Ok(Prepared { subject, effects, fit, clip, schedule, sought, report })
 }
 
 /// Writes the files, unless it is a dry run.

@@ -11,10 +11,12 @@ use std::time::Duration;
 
 use thiserror::Error;
 use wirework_core::{BindError, Lattice, LatticeError, Wire};
-use wirework_preset::{BoundsFrame, Effect, Units};
+use wirework_preset::{Action, BoundsFrame, Effect, Units};
+use wirework_stitch::StitchWarning;
 use wirework_surface::Bounds;
 use wirework_wrinkle::{WrinkleError, WrinkleWarning};
 
+use crate::fit::Fit;
 use crate::mask::{EffectMasks, Masks};
 use crate::stage::Stage;
 
@@ -95,8 +97,8 @@ pub enum EvaluateError {
         /// Which effect.
         effect: usize,
     },
-    /// An effect with `only` or `mask` is to be bound to bare points.
-    #[error("effect {effect} has `only` or `mask`, which need the asset that the points are from")]
+    /// An effect with `only` or `mask`, or with pieces, is to be bound to bare points.
+    #[error("effect {effect} has `only`, `mask` or pieces, which need the asset that the points are from")]
     Scoped {
         /// Which effect.
         effect: usize,
@@ -129,7 +131,7 @@ impl<'a> Evaluation<'a> {
     /// Binds effects to a surface: points in any order, triangles that index them (only wrinkles need any). Each effect after
     /// the first is worked out once, at 0 s, so that one that does not fit the one before it is found here.
     ///
-    /// The effects of a preset are in its `effects`. Those with `only` or `mask` need the names and colours of an asset:
+    /// The effects of a preset are in its `effects`. Those with `only` or `mask`, and stitches, need the names and colours of an asset:
     /// [`Subject::bind`](crate::Subject::bind) is for them. It also knows how long the effects last, which `settle` of a wrinkle
     /// needs that those before it drive; here that is driven by what they do at the same moment.
     pub fn new(
@@ -137,16 +139,18 @@ impl<'a> Evaluation<'a> {
         points: &'a [[f32; 3]],
         triangles: &'a [[u32; 3]],
     ) -> Result<Self, EvaluateError> {
-        match effects.iter().position(EffectMasks::wanted) {
+        let scoped =
+            |effect: &Effect| EffectMasks::wanted(effect) || matches!(effect.action, Action::Stitch(_));
+        match effects.iter().position(scoped) {
             Some(effect) => Err(EvaluateError::Scoped { effect }),
-            None => Self::masked(effects, Masks::default(), points, triangles, Bounds::of(points)),
+            None => Self::fitted(effects, Fit::default(), points, triangles, Bounds::of(points)),
         }
     }
 
-    /// The same with the masks of each effect, and with the box that `units: Bounds` are parts of.
-    pub(crate) fn masked(
+    /// The same with what effects have of a subject, and with the box that `units: Bounds` are parts of.
+    pub(crate) fn fitted(
         effects: &[Effect],
-        masks: Masks,
+        fit: Fit,
         points: &'a [[f32; 3]],
         triangles: &'a [[u32; 3]],
         bounds: Option<Bounds>,
@@ -156,10 +160,19 @@ impl<'a> Evaluation<'a> {
         if let Some(effect) = effects.iter().position(in_bounds).filter(|_| !has_extent(&frame)) {
             return Err(EvaluateError::NoExtent { effect });
         }
-        let Masks { of_effects, warnings, missing: _ } = masks;
+        let Fit { masks: Masks { of_effects, warnings, missing: _ }, seams } = fit;
         let masks = of_effects.into_iter().chain(std::iter::repeat_with(EffectMasks::default));
-        let stage = |(index, (effect, masks))| Stage::new(index, effect, &frame, masks);
-        let mut stages: Vec<Stage> = effects.iter().zip(masks).enumerate().map(stage).collect();
+        let seams = seams.into_iter().chain(std::iter::repeat_with(Vec::new));
+        let mut stages: Vec<Stage> = Vec::with_capacity(effects.len());
+        for (index, ((effect, masks), seams)) in effects.iter().zip(masks).zip(seams).enumerate() {
+            // Seams that are sewn one after the other are a stage each.
+            let sews = matches!(effect.action, Action::Stitch(_));
+            let parts = if sews { seams.into_iter().map(Some).collect() } else { vec![None] };
+            for seams in parts {
+                let first = stages.is_empty();
+                stages.push(Stage::new((index, first), effect, &frame, masks.clone(), seams));
+            }
+        }
         let mut spent = Spent::default();
         if let Some(first) = stages.first_mut() {
             first.follow(0.0, (points, points), triangles, &mut spent)?;
@@ -177,7 +190,7 @@ impl<'a> Evaluation<'a> {
         if out.len() != self.points.len() {
             return Err(EvaluateError::PointCount { points: self.points.len(), found: out.len() });
         }
-        self.before(self.stages.len(), seconds, out)
+        self.before(usize::MAX, seconds, out)
     }
 
     /// The points as the effects before one move them. The buffer is as long as the points are many.
@@ -187,9 +200,10 @@ impl<'a> Evaluation<'a> {
         seconds: f64,
         out: &mut [[f32; 3]],
     ) -> Result<(), EvaluateError> {
-        for (index, stage) in self.stages.iter_mut().take(effect).enumerate() {
+        let before = self.stages.iter_mut().take_while(|stage| stage.index < effect);
+        for (number, stage) in before.enumerate() {
             let mut base = self.points;
-            if index > 0 {
+            if number > 0 {
                 self.base.clear();
                 self.base.extend_from_slice(out);
                 base = &self.base;
@@ -206,8 +220,14 @@ impl<'a> Evaluation<'a> {
         self.stages.iter_mut().for_each(|stage| stage.reached = false);
     }
 
+    /// One more than the number of the last effect that does something.
     pub(crate) fn effect_count(&self) -> usize {
-        self.stages.len()
+        self.stages.last().map_or(0, |stage| stage.index + 1)
+    }
+
+    /// An effect, or the first part of one.
+    fn stage(&self, effect: usize) -> Option<&Stage> {
+        self.stages.iter().find(|stage| stage.index == effect)
     }
 
     /// Whether compression of the surface drives an effect.
@@ -217,25 +237,25 @@ impl<'a> Evaluation<'a> {
 
     /// The compression that drives an effect, where the points have moved to `now`; for [`Evaluation::record`].
     pub(crate) fn compression(&self, effect: usize, now: &[[f32; 3]]) -> Vec<f32> {
-        self.stages.get(effect).map_or_else(Vec::new, |stage| stage.compression(now))
+        self.stage(effect).map_or_else(Vec::new, |stage| stage.compression(now))
     }
 
     /// Tells each effect the compression that drives it, at equal steps from 0 s on. Without that an effect is driven by what the
     /// effects before it do.
     pub(crate) fn record(&mut self, step: f64, readings: Vec<Vec<Vec<f32>>>) {
-        for (stage, readings) in self.stages.iter_mut().zip(readings) {
-            stage.record(step, readings);
+        for (effect, readings) in readings.into_iter().enumerate() {
+            self.record_one(effect, step, readings);
         }
     }
 
     /// Whether an effect is driven by those before it, and is to be told of all moments of these.
     pub(crate) fn listens(&self, effect: usize) -> bool {
-        self.stages.get(effect).is_some_and(Stage::listens)
+        self.stage(effect).is_some_and(Stage::listens)
     }
 
     /// Tells one effect the compression that drives it, as [`Evaluation::record`] does.
     pub(crate) fn record_one(&mut self, effect: usize, step: f64, readings: Vec<Vec<f32>>) {
-        if let Some(stage) = self.stages.get_mut(effect) {
+        if let Some(stage) = self.stages.iter_mut().find(|stage| stage.index == effect) {
             stage.record(step, readings);
         }
     }
@@ -254,23 +274,22 @@ impl<'a> Evaluation<'a> {
 
     /// Whether an effect works on a surface that has been made finer for it.
     pub(crate) fn is_refined(&self, effect: usize) -> bool {
-        self.stages.get(effect).is_some_and(Stage::is_refined)
+        self.stage(effect).is_some_and(Stage::is_refined)
     }
 
     /// The effects, from 0, whose creases the clip does not compress enough to raise them: the most there is, and when.
     pub(crate) fn unraised(&self) -> impl Iterator<Item = (usize, (f32, f64))> {
-        self.stages.iter().enumerate().filter_map(|(index, stage)| Some((index, stage.unraised()?)))
+        self.stages.iter().filter_map(|stage| Some((stage.index, stage.unraised()?)))
     }
 
     /// What creases lack: each with its effect, from 0.
     pub(crate) fn crease_warnings(&self) -> impl Iterator<Item = (usize, &WrinkleWarning)> {
-        self.stages.iter().enumerate().flat_map(|(index, stage)| stage.warnings().map(move |w| (index, w)))
+        self.stages.iter().flat_map(|stage| stage.warnings().map(move |w| (stage.index, w)))
     }
 
     /// The effects, from 0, that compression is to drive and that nothing tells of any.
     pub(crate) fn unmoved(&self) -> impl Iterator<Item = usize> {
-        let unmoved = |(index, stage): (usize, &Stage)| stage.is_unmoved().then_some(index);
-        self.stages.iter().enumerate().filter_map(unmoved)
+        self.stages.iter().filter_map(|stage| stage.is_unmoved().then_some(stage.index))
     }
 
     /// How many wires there are, over all effects that were evaluated.
@@ -280,33 +299,45 @@ impl<'a> Evaluation<'a> {
 
     /// The effects, from 0, that have been evaluated and have reached no point at any time.
     pub fn idle(&self) -> impl Iterator<Item = usize> {
-        let idle = |(index, stage): (usize, &Stage)| (!stage.reached).then_some(index);
-        self.stages.iter().enumerate().filter_map(idle)
+        // An effect of several parts is idle where all of them are.
+        let parts = self.stages.chunk_by(|a, b| a.index == b.index);
+        parts.filter(|parts| parts.iter().all(|part| !part.reached)).map(|parts| parts[0].index)
     }
 
     /// The effects, from 0, with a lattice that does not hold all points they might move: its box, and how many points lay
     /// outside of it when they were last bound. These stay where they are.
     pub fn outside(&self) -> impl Iterator<Item = (usize, Lattice, usize)> {
-        let outside = |(index, stage): (usize, &Stage)| {
+        let outside = |stage: &Stage| {
             let (lattice, points) = stage.outside().filter(|(_, points)| *points > 0)?;
-            Some((index, lattice, points))
+            Some((stage.index, lattice, points))
         };
-        self.stages.iter().enumerate().filter_map(outside)
+        self.stages.iter().filter_map(outside)
     }
 
     /// Whether an effect has nothing that could move a point.
     pub(crate) fn is_inert(&self, effect: usize) -> bool {
-        self.stages.get(effect).is_some_and(Stage::is_inert)
+        self.stage(effect).is_some_and(Stage::is_inert)
     }
 
     /// Whether an effect has a lattice in which no point lies.
     pub(crate) fn is_empty_lattice(&self, effect: usize) -> bool {
-        self.stages.get(effect).is_some_and(Stage::is_empty_lattice)
+        self.stage(effect).is_some_and(Stage::is_empty_lattice)
     }
 
     /// The wires of all effects, as they were at the moment that was last worked out: those of a wrinkle along its creases.
     pub fn wires(&self) -> impl Iterator<Item = &Wire> {
         self.stages.iter().flat_map(|stage| &stage.wires)
+    }
+
+    /// What seams lack: each with its effect, from 0.
+    pub(crate) fn seam_warnings(&self) -> impl Iterator<Item = (usize, &StitchWarning)> {
+        self.stages.iter().flat_map(|stage| stage.seam_warnings().map(move |warning| (stage.index, warning)))
+    }
+
+    /// Points that are to be one where seams are welded, in groups, and how far they have come: 0 apart, 1 one point; at the moment that
+    /// was last worked out.
+    pub fn joints(&self) -> impl Iterator<Item = (&[u32], f32)> {
+        self.stages.iter().flat_map(Stage::joints)
     }
 
     /// The lattices of effects, as they were then: control points along X, Y and Z, and where they are, X fastest.

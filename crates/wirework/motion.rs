@@ -3,7 +3,7 @@
 use wirework_preset::{Effect, ObjectError};
 use wirework_surface::{Bounds, Tessellation};
 
-use crate::mask::Masks;
+use crate::fit::Fit;
 use crate::strain::sense_before;
 use crate::subject::{Model, Origin, Subject};
 use crate::unfit::unfit;
@@ -33,11 +33,11 @@ impl Basis {
         (Self { points, triangles, bounds, net, origin }, model, point_of)
     }
 
-    /// Binds effects, with the masks of each; the subject has been made as fine as they ask for, where it could be.
-    pub(crate) fn bind<'a>(&'a self, effects: &'a [Effect], masks: Masks) -> Result<Motion<'a>, JobError> {
+    /// Binds effects, with what they have of the subject, which has been made as fine as they ask for, where it could be.
+    pub(crate) fn bind<'a>(&'a self, effects: &'a [Effect], fit: Fit) -> Result<Motion<'a>, JobError> {
         let Self { points, triangles, bounds, net, origin } = self;
         let mut evaluation =
-            Evaluation::masked(effects, masks, points, triangles, *bounds).map_err(unfit(origin, effects))?;
+            Evaluation::fitted(effects, fit, points, triangles, *bounds).map_err(unfit(origin, effects))?;
         // A net says itself that it cannot be made finer.
         if net.is_none() {
             evaluation.set_refined();

@@ -39,6 +39,8 @@ impl Evaluation<'_> {
                 ),
                 warning => format!("the wrinkle{}: {warning}", which(effect)),
             });
+        let seams =
+            self.seam_warnings().map(|(effect, warning)| format!("the stitch{}: {warning}", which(effect)));
         let unmoved = self.unmoved().map(|effect| {
             format!(
                 "the wrinkle{}: `drive: Strain` needs a model with a clip, or effects before it: nothing compresses \
@@ -54,7 +56,14 @@ impl Evaluation<'_> {
             )
         });
         let unmoved = unmoved.chain(unraised);
-        self.warnings.iter().cloned().chain(self.outside().map(line)).chain(creases).chain(unmoved).collect()
+        self.warnings
+            .iter()
+            .cloned()
+            .chain(self.outside().map(line))
+            .chain(creases)
+            .chain(seams)
+            .chain(unmoved)
+            .collect()
     }
 
     /// A warning for each effect that has been evaluated and has reached nothing at any time.

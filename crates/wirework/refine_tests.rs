@@ -7,6 +7,7 @@ use wirework_surface::{grid, sphere};
 
 use super::*;
 use crate::film::Film;
+use crate::fit::Fit;
 use crate::mask::masks;
 use crate::motion::Basis;
 use crate::output::Scene;
@@ -42,7 +43,8 @@ fn written(subject: Subject, preset: &Preset, when: &When) -> Gltf {
     let masks = masks(&subject, &preset.effects, Path::new(""), &limits).unwrap().complete().unwrap();
     let (basis, model, point_of) = Basis::of(subject);
     let schedule = schedule(when, preset.duration, preset.animated, 8.0, 100).unwrap();
-    let motion = basis.bind(&preset.effects, masks).unwrap();
+    let fit = Fit { masks, ..Fit::default() };
+    let motion = basis.bind(&preset.effects, fit).unwrap();
     let (shade, write) = (Duration::ZERO, Duration::ZERO);
     let mut film = Film { motion, schedule, shade, write, progress: &mut |_| {} };
     let path = Path::new("preset.ron");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use wirework_asset::{Limits, printable, same_file};
-use wirework_preset::Preset;
+use wirework_preset::{Action, Piece, Preset};
 
 use crate::mask::mask_files;
 use crate::subject::{Model, Subject};
@@ -21,10 +21,25 @@ pub(crate) struct Source<'a> {
 impl<'a> Source<'a> {
     /// Reads the input, or else makes the preset's own object.
     pub(crate) fn subject(&self) -> Result<Subject, JobError> {
-        if let Some(input) = self.input {
-            return Subject::read(input, self.limits);
+        let base = match self.input {
+            Some(input) => Some(Subject::read(input, self.limits)?),
+            None => Subject::from_preset(self.preset, self.preset_path, self.limits)?,
+        };
+        let pieces = self.pieces();
+        if pieces.is_empty() || (base.is_none() && pieces.iter().any(|piece| piece.object.is_none())) {
+            return base.ok_or(JobError::NoObject);
         }
-        Subject::from_preset(self.preset, self.preset_path, self.limits)?.ok_or(JobError::NoObject)
+        let pieces: Vec<_> = pieces.iter().map(|piece| (&piece.name, piece.object.as_ref())).collect();
+        Subject::from_pieces(base, &pieces, self.folder(), self.limits)
+    }
+
+    /// The pieces that the first stitch names.
+    fn pieces(&self) -> &'a [Piece] {
+        let stitch = self.preset.effects.iter().find_map(|effect| match &effect.action {
+            Action::Stitch(stitching) => Some(stitching),
+            _ => None,
+        });
+        stitch.map_or(&[], |stitching| &stitching.pieces)
     }
 
     /// The folder that names of files in the preset are relative to.
@@ -38,10 +53,20 @@ impl<'a> Source<'a> {
         object.file(self.folder())
     }
 
+    /// The files that the preset names as pieces.
+    fn piece_files(&self) -> impl Iterator<Item = PathBuf> {
+        let folder = self.folder();
+        self.pieces().iter().filter_map(move |piece| piece.object.as_ref()?.file(folder))
+    }
+
     /// Every file that is read but those that a document refers to: [`parts`] has these.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
         let named = [self.input, Some(self.preset_path)].into_iter().flatten().map(Path::to_path_buf);
-        named.chain(self.own_object()).chain(mask_files(&self.preset.effects, self.folder())).collect()
+        named
+            .chain(self.own_object())
+            .chain(self.piece_files())
+            .chain(mask_files(&self.preset.effects, self.folder()))
+            .collect()
     }
 
     /// Refuses to write over what is read; over the model only unless `in_place`.
@@ -58,6 +83,9 @@ impl<'a> Source<'a> {
         }
         if self.own_object().is_some_and(|object| same_file(&object, path)) && !in_place {
             return refuse("the preset's object; `--in-place` allows that");
+        }
+        if self.piece_files().any(|piece| same_file(&piece, path)) {
+            return refuse("a piece of the preset");
         }
         Ok(())
     }

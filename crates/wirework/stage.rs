@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use wirework_core::{BindError, Binding, Blend, Lattice, LatticeBinding, Wire};
 use wirework_preset::{Action, BoundsFrame, Effect};
+use wirework_stitch::{Seams, StitchWarning};
 use wirework_surface::Near;
 use wirework_wrinkle::{Creases, SurfaceView, WrinkleWarning, creases};
 
@@ -14,14 +15,18 @@ use crate::{EvaluateError, Spent};
 /// One effect of a list.
 #[derive(Debug)]
 pub(crate) struct Stage {
-    index: usize,
+    /// Which effect it is, or a part of.
+    pub(crate) index: usize,
+    /// Whether it works on the rest, which never changes.
+    on_rest: bool,
     /// What it does, in metres.
     action: Action,
     blend: Blend,
     masks: EffectMasks,
     pub(crate) wires: Vec<Wire>,
     creases: Option<Creases>,
-    /// What each crease may move.
+    seams: Option<Seams>,
+    /// What each crease, or the wire along each edge, may move.
     near: Vec<Near>,
     /// Whether a clip, or the effects before over all their time, have told how the surface is compressed.
     told: bool,
@@ -58,23 +63,31 @@ struct Ffd {
 }
 
 impl Stage {
-    pub(crate) fn new(index: usize, effect: &Effect, frame: &BoundsFrame, masks: EffectMasks) -> Self {
+    /// An effect, or the part of it that `seams` are: which it is, and whether it is the first of all.
+    pub(crate) fn new(
+        (index, on_rest): (usize, bool),
+        effect: &Effect,
+        frame: &BoundsFrame,
+        masks: EffectMasks,
+        seams: Option<Seams>,
+    ) -> Self {
         let action = effect.placed(frame).action;
         let (blend, lattice) = match &action {
             Action::Deform(deform) => (deform.blend, deform.lattice),
             Action::Wrinkle(wrinkle) => (wrinkle.blend, None),
-            // Has no wires yet.
-            Action::Stitch(_) => (Blend::default(), None),
+            Action::Stitch(_) => (seams.as_ref().map_or_else(Blend::default, Seams::blend), None),
         };
         let ffd = |lattice: Lattice| Ffd { lattice, binding: None, controls: Vec::new() };
         Self {
             index,
+            on_rest,
             action,
             blend,
             masks,
             wires: Vec::new(),
             creases: None,
-            near: Vec::new(),
+            near: seams.as_ref().map_or_else(Vec::new, |seams| seams.near().to_vec()),
+            seams,
             told: false,
             fineness: if effect.refine { Fineness::Wanted } else { Fineness::AsItIs },
             coarse: None,
@@ -95,8 +108,8 @@ impl Stage {
         spent: &mut Spent,
     ) -> Result<(), EvaluateError> {
         let same = |(a, b): (&[f32; 3], &[f32; 3])| bits(*a) == bits(*b);
-        let settled = self.index == 0
-            || (self.bound_to.len() == base.len() && self.bound_to.iter().zip(base).all(same));
+        let settled =
+            self.on_rest || (self.bound_to.len() == base.len() && self.bound_to.iter().zip(base).all(same));
         let first = self.binding.is_none();
         let there = settled && !first;
         if there && !self.creases.as_ref().is_some_and(Creases::moves) {
@@ -105,7 +118,7 @@ impl Stage {
         let start = Instant::now();
         self.bind(seconds, base, triangles, there)?;
         spent.bind += start.elapsed();
-        if there || self.index == 0 {
+        if there || self.on_rest {
             return Ok(());
         }
         self.hear(rest, base, first);
@@ -158,13 +171,16 @@ impl Stage {
         Ok(())
     }
 
-    /// Brings creases to a moment: lays them, if that is still to be done, and takes them along with the surface.
+    /// Brings creases to a moment: lays them, if that is still to be done, and takes them, and seams, along with the surface.
     fn lay(
         &mut self,
         seconds: f64,
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
     ) -> Result<(), EvaluateError> {
+        if let Some(seams) = self.seams.as_mut().filter(|_| !self.on_rest) {
+            seams.follow(positions);
+        }
         let Action::Wrinkle(wrinkle) = &self.action else { return Ok(()) };
         let effect = self.index;
         let fail = |error| EvaluateError::Wrinkle { effect, error };
@@ -175,7 +191,7 @@ impl Stage {
             none => none.insert(creases(&surface, wrinkle).map_err(fail)?),
         };
         if !laid || seconds != 0.0 {
-            creases.at(seconds, (!laid && self.index > 0).then_some(&surface)).map_err(fail)?;
+            creases.at(seconds, (!laid && !self.on_rest).then_some(&surface)).map_err(fail)?;
         }
         if laid || creases.moves() {
             self.near = creases.near();
@@ -199,8 +215,11 @@ impl Stage {
                     creases.wires_at(seconds, &mut self.wires);
                 }
             }
-            // Has no wires yet.
-            Action::Stitch(_) => {}
+            Action::Stitch(_) => {
+                if let Some(seams) = &mut self.seams {
+                    seams.wires_at(seconds, &mut self.wires);
+                }
+            }
         }
     }
 
@@ -227,6 +246,12 @@ impl Stage {
                 }
             }
         }
+        if let Some(seams) = &self.seams {
+            let free = |point: u32| self.masks.of_effect().is_none_or(|mask| mask[point as usize] >= 1.0);
+            for pin in seams.pins().iter().filter(|pin| free(pin.point)) {
+                out[pin.point as usize] = pin.goal;
+            }
+        }
         spent.deform += start.elapsed();
         self.reached = self.reached || (binding.reaches() && !self.is_empty_lattice());
         Ok(())
@@ -244,7 +269,7 @@ impl Stage {
 
     /// Whether it is driven by what nothing tells it.
     pub(crate) fn is_unmoved(&self) -> bool {
-        self.is_driven() && !self.told && self.index == 0
+        self.is_driven() && !self.told && self.on_rest
     }
 
     /// The greatest compression that it was told of, and when, where that raises nothing.
@@ -273,6 +298,16 @@ impl Stage {
         all.filter(|warning| !matches!(warning, WrinkleWarning::Coarse { .. })).chain(coarse)
     }
 
+    /// What the seams lack.
+    pub(crate) fn seam_warnings(&self) -> impl Iterator<Item = &StitchWarning> {
+        self.seams.as_ref().map_or(&[][..], Seams::warnings).iter()
+    }
+
+    /// Points that are to be one, and how far they have come.
+    pub(crate) fn joints(&self) -> impl Iterator<Item = (&[u32], f32)> {
+        self.seams.iter().flat_map(Seams::joints)
+    }
+
     /// Notes that its surface has been made finer where it asked for that. It does not ask where a mask lets nothing move, and whether
     /// that is coarse is no matter.
     pub(crate) fn set_refined(&mut self) {
@@ -288,7 +323,7 @@ impl Stage {
 
     /// Whether it is driven by the effects before it, and has not been told of all moments.
     pub(crate) fn listens(&self) -> bool {
-        self.index > 0 && self.is_driven() && !self.told
+        !self.on_rest && self.is_driven() && !self.told
     }
 
     /// The lattice's control points along each axis, and where they are.

@@ -10,8 +10,10 @@ use wirework_wrinkle::{Drawn, Field, Pattern, SurfaceView, Wrinkle, WrinkleError
 
 use crate::evaluate::bounds_frame;
 use crate::film::find_clip;
+use crate::fit::Fit;
 use crate::mask::masks;
 use crate::reach::which;
+use crate::sew::sew;
 use crate::unfit::unfit;
 use crate::{EvaluateError, Evaluation, JobError, Model, Subject};
 
@@ -155,10 +157,11 @@ fn moments(
         return Ok(false);
     }
     let masks = masks(subject, before, folder, limits)?.complete()?;
+    let fit = Fit { masks, seams: sew(subject, before)? };
     let fail = unfit(&subject.origin, all);
     let bounds = subject.bounds();
     let mut effects =
-        Evaluation::masked(before, masks, &subject.points, &subject.triangles, bounds).map_err(&fail)?;
+        Evaluation::fitted(before, fit, &subject.points, &subject.triangles, bounds).map_err(&fail)?;
     sense_before(&mut effects, duration).map_err(&fail)?;
     let mut now = subject.points.clone();
     for moment in 0..=MOMENTS {

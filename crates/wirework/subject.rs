@@ -8,8 +8,10 @@ use wirework_asset::{AssetError, Gltf, Limits, Obj, Rest};
 use wirework_preset::{Effect, Object, Preset, PresetError};
 use wirework_surface::{Bounds, Mesh, Transform};
 
+use crate::fit::Fit;
 use crate::mask::{Masks, masks};
 use crate::parts::{MeshPart, of_positions};
+use crate::sew::sew;
 use crate::strain::{driving_clip, found, sense, sense_before};
 use crate::unfit::unfit;
 use crate::weld::{ANY, Weld};
@@ -271,7 +273,8 @@ impl Subject {
         unfound: Vec<String>,
         duration: f64,
     ) -> Result<Evaluation<'_>, JobError> {
-        let bound = Evaluation::masked(effects, masks, &self.points, &self.triangles, self.bounds());
+        let fit = Fit { masks, seams: sew(self, effects)? };
+        let bound = Evaluation::fitted(effects, fit, &self.points, &self.triangles, self.bounds());
         let mut evaluation = bound.map_err(unfit(&self.origin, effects))?;
         evaluation.warnings.extend(unfound);
         if let (Some(clip), Model::Gltf { gltf, rest }) =

@@ -6,8 +6,8 @@ use wirework_asset::{Gltf, Rest};
 use wirework_preset::{Effect, Preset};
 
 use crate::film::find_clip;
-use crate::fineness::{Span, refined};
-use crate::mask::Masks;
+use crate::fineness::Span;
+use crate::fit::{Fit, fit};
 use crate::motion::Basis;
 use crate::output::Scene;
 use crate::picture::dress::Dress;
@@ -26,7 +26,7 @@ pub(crate) struct Setting {
     pub(crate) point_of: Vec<u32>,
     /// What moves it, in order.
     effects: Vec<Effect>,
-    masks: Masks,
+    fit: Fit,
     /// Files that the document refers to: none of them may be written over.
     parts: Vec<PathBuf>,
     /// Colours of the vertices, linear, of a model that does not keep them in a document.
@@ -84,7 +84,7 @@ impl Setting {
             None => Default::default(),
         };
         let span = job.span(&effects, &subject.model)?;
-        let (subject, masks, refinement) = refined(subject, &effects, span, (folder, &job.limits))?;
+        let (subject, fit, refinement) = fit(subject, &effects, span, (folder, &job.limits))?;
         let mut warnings = subject.warnings();
         warnings.extend(unfound);
         warnings.extend(refinement.warnings);
@@ -114,14 +114,14 @@ impl Setting {
             Shown::Asset(path) | Shown::Preset { input: Some(path), .. } | Shown::Preset { path, .. } => path,
         };
         let file = file.display().to_string();
-        Ok(Self { basis, gltf, rest, point_of, effects, masks, parts, colors, file, warnings })
+        Ok(Self { basis, gltf, rest, point_of, effects, fit, parts, colors, file, warnings })
     }
 
     /// Binds the effect and prepares the clip.
     pub(crate) fn show<'a>(&'a self, job: &PictureJob<'a>) -> Result<Show<'a>, JobError> {
         let mut motion = match self.effects.as_slice() {
             [] => None,
-            effects => Some(self.basis.bind(effects, self.masks.clone())?),
+            effects => Some(self.basis.bind(effects, self.fit.clone())?),
         };
         let clips = self.gltf.clip_names().len();
         let driven = job.preset().is_none_or(|preset| preset.driven);

@@ -1,0 +1,36 @@
+//! What effects have of the subject that they are bound to, and the subject as they need it.
+
+use std::path::Path;
+
+use wirework_asset::Limits;
+use wirework_preset::Effect;
+
+use crate::fineness::{Span, refined};
+use crate::mask::Masks;
+use crate::refine::Refinement;
+use crate::sew::{Sewn, sew};
+use crate::{JobError, Subject};
+
+/// What effects have of a subject.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Fit {
+    pub(crate) masks: Masks,
+    /// Of each effect; none but of stitches.
+    pub(crate) seams: Sewn,
+}
+
+/// Makes the subject as fine as effects ask, and looks up in it what they name.
+///
+/// # Errors
+///
+/// As [`refined`] and [`sew`].
+pub(crate) fn fit(
+    subject: Subject,
+    effects: &[Effect],
+    span: Span,
+    (folder, limits): (&Path, &Limits),
+) -> Result<(Subject, Fit, Refinement), JobError> {
+    let (subject, masks, refinement) = refined(subject, effects, span, (folder, limits))?;
+    let seams = sew(&subject, effects)?;
+    Ok((subject, Fit { masks, seams }, refinement))
+}
