@@ -49,6 +49,7 @@ mod surfaces;
 mod tangent;
 mod target;
 mod tear;
+mod turn;
 
 pub use error::{EdgeFault, StitchError, StitchWarning};
 pub use joint::Cut;

@@ -13,6 +13,7 @@ use crate::side::Side;
 use crate::surfaces::{Pieces, Surfaces};
 use crate::tangent::{corner_normals, flatten, twists};
 use crate::target::{Moment, Sides, hold, meet, seams_alone, tear};
+use crate::turn::rotations;
 
 /// Seams laid on surfaces. Which vertices their edges have is settled once; where these are may change.
 #[derive(Clone, Debug)]
@@ -206,11 +207,18 @@ impl Seams {
             wire.radius = seam.radius.at(seconds);
             wire.scale = seam.scale.at(seconds);
             wire.amplitude = seam.closure.at(seconds);
-            if let (Continuity::Tangent, Ok(pose)) =
-                (seam.continuity, wire.reference.posed(wire.pose.clone()))
-            {
-                let bias = moments[index].bias;
-                twist(wire, side, &twists(&self.sides[index], own, bias, &normals[index], target, &pose));
+            if let Ok(pose) = wire.reference.posed(wire.pose.clone()) {
+                let (smooth, torn) = (seam.continuity == Continuity::Tangent, !seam.tears.is_empty());
+                let held = rotations(side, &pose, f64::from(wire.radius)).filter(|_| torn || !smooth);
+                if held.is_some() || torn || !wire.locators.is_empty() {
+                    let values = held.unwrap_or_else(|| vec![1.0; side.own.len()]);
+                    along(wire, side, values, |locator, value| locator.rotation = Some(value));
+                }
+                if smooth {
+                    let bias = moments[index].bias;
+                    let values = twists(&self.sides[index], own, bias, &normals[index], target, &pose);
+                    along(wire, side, values, |locator, value| locator.twist = Some(value));
+                }
             }
             if wire.amplitude == 1.0 {
                 let points = side.track.path.vertices.iter().zip(&wire.pose);
@@ -238,13 +246,10 @@ impl Seams {
     }
 }
 
-/// Sets the twist along a wire.
-fn twist(wire: &mut Wire, side: &Side, twists: &[f64]) {
-    if wire.locators.len() != twists.len() {
-        let places = side.parameters().map(|u| Locator { u: u as f32, ..Locator::default() });
-        wire.locators = places.collect();
+/// Sets an attribute at each vertex along a wire.
+fn along(wire: &mut Wire, side: &Side, values: Vec<f64>, set: impl Fn(&mut Locator, f32)) {
+    if wire.locators.len() != values.len() {
+        wire.locators = side.parameters().map(|u| Locator { u: u as f32, ..Locator::default() }).collect();
     }
-    for (locator, twist) in wire.locators.iter_mut().zip(twists) {
-        locator.twist = Some(*twist as f32);
-    }
+    wire.locators.iter_mut().zip(values).for_each(|(locator, value)| set(locator, value as f32));
 }
