@@ -53,15 +53,7 @@ impl Gltf {
         self.tell_of(&other);
         let images = other.loose_images();
         let strays = other.stray_images(&images);
-        let mut shift = Shift::default();
-        for &(key, _) in TABLES {
-            let own = if key == "buffers" { 0 } else { self.list(key).len() };
-            shift.by.insert(key.to_owned(), own);
-        }
-        for &(extension, key, _) in ROOT_TABLES {
-            let own = self.json.pointer(&format!("/extensions/{extension}/{key}")).and_then(Value::as_array);
-            shift.by.insert(format!("{extension}/{key}"), own.map_or(0, Vec::len));
-        }
+        let mut shift = self.shift();
         let own = |key: &str| shift.by.get(key).copied().unwrap_or(0);
         let (views, pictures, first) = (own("bufferViews"), own("images"), own("nodes"));
         let starts = self.take_buffers(&mut other)?;
@@ -103,6 +95,20 @@ impl Gltf {
             self.warn("merged-extension", message);
         }
         self.show(name, &other.json, (roots, graph), (first, scene))
+    }
+
+    /// By how much what another document refers to moves. Which buffer a view is of is seen to with the buffers.
+    fn shift(&self) -> Shift {
+        let mut shift = Shift::default();
+        for &(key, _) in TABLES {
+            let own = if key == "buffers" { 0 } else { self.list(key).len() };
+            shift.by.insert(key.to_owned(), own);
+        }
+        for &(extension, key, _) in ROOT_TABLES {
+            let own = self.json.pointer(&format!("/extensions/{extension}/{key}")).and_then(Value::as_array);
+            shift.by.insert(format!("{extension}/{key}"), own.map_or(0, Vec::len));
+        }
+        shift
     }
 
     /// Puts the roots of a scene, moved by `first`, into our `scene`.
