@@ -119,8 +119,13 @@ impl Gltf {
         (roots, graph): (&[usize], &Graph),
         (first, scene): (usize, usize),
     ) -> Result<Vec<usize>, AssetError> {
+        // Nothing places it, and nobody but itself is to be found by the name.
+        let is_apart = |node: &Node| {
+            let below: Vec<usize> = node.children.iter().map(|child| child.saturating_add(first)).collect();
+            node.skin.is_some() && node.mesh.is_some() && self.mesh_nodes(&below).is_empty()
+        };
         let (apart, below): (Vec<usize>, Vec<usize>) =
-            roots.iter().partition(|&&root| graph.nodes.get(root).is_some_and(Node::is_carried_by_joints));
+            roots.iter().partition(|&&root| graph.nodes.get(root).is_some_and(is_apart));
         let moved = |nodes: Vec<usize>| nodes.into_iter().map(|node| node.saturating_add(first));
         let (apart, below): (Vec<usize>, Vec<usize>) = (moved(apart).collect(), moved(below).collect());
         let mut out = match below.as_slice() {
