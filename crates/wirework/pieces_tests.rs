@@ -144,7 +144,11 @@ fn finer_pieces_keep_their_points_and_their_sides_grow() {
     assert_eq!(parts.iter().map(crate::MeshPart::count).collect::<Vec<_>>(), [81, 81]);
     assert_eq!(parts[1].faces.end as usize, mesh.face_ends.len());
     let document = finer(Some(Subject::from_gltf(triangles(&["c"])).unwrap()));
-    assert_eq!(count(&document, Pieces::NONE), 3 + 3, "the triangle is of no piece: its edges were halved");
+    assert_eq!(
+        count(&document, Pieces::NONE),
+        15,
+        "the triangle is of no piece, and its edges were halved twice"
+    );
 }
 
 #[test]
@@ -231,7 +235,7 @@ fn objects_of_an_obj_are_pieces_and_files_join_it() {
 
 #[test]
 fn a_real_file_and_a_grid_are_one_document() {
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("shared/assets/rigged");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/assets/rigged");
     let files = std::fs::read_dir(&assets).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut files: Vec<_> = files.filter(|path| path.extension().is_some_and(|e| e == "glb")).collect();
     files.sort();
@@ -242,4 +246,23 @@ fn a_real_file_and_a_grid_are_one_document() {
         assert_eq!((count(&subject, 0), count(&subject, 1)), (alone.points.len(), 25), "{}", path.display());
         assert_eq!(count(&subject, Pieces::NONE), 0);
     }
+}
+
+#[test]
+fn only_names_pieces() {
+    let text = "Deform(only: Nodes([\"b\"]), wires: [Wire(
+        curve: Polyline(points: [(-9, 0, 0), (9, 0, 0)]), pose: [(-9, 1, 0), (9, 1, 0)], radius: 9)])";
+    let preset = wirework_preset::parse(text.as_bytes(), &wirework_preset::Limits::default()).unwrap().preset;
+    let pieces = [("a", Some(grid([2, 2]))), ("b", Some(grid([1, 1])))];
+    for base in [None, Some(Subject::from_gltf(triangles(&["c"])).unwrap())] {
+        let subject = gather(base, &pieces).unwrap();
+        let mut evaluation = subject.bind(&preset, Path::new(""), &Limits::default()).unwrap();
+        let mut now = subject.points.clone();
+        evaluation.at(0.0, &mut now).unwrap();
+        let moved = subject.points.iter().zip(&now).map(|(before, now)| before != now);
+        assert!(moved.eq(subject.pieces.of_points.iter().map(|&piece| piece == 1)));
+    }
+    let subject = gather(None, &[("a", Some(grid([2, 2])))]).unwrap();
+    let error = subject.bind(&preset, Path::new(""), &Limits::default()).unwrap_err();
+    assert!(error.to_string().contains("there are \"a\""), "{error}");
 }

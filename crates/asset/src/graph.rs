@@ -17,7 +17,7 @@ pub(crate) struct Node {
     pub(crate) mesh: Option<usize>,
     pub(crate) skin: Option<usize>,
     pub(crate) weights: Option<Vec<f64>>,
-    children: Vec<usize>,
+    pub(crate) children: Vec<usize>,
     pub(crate) parent: Option<usize>,
     pub(crate) pose: Pose,
 }

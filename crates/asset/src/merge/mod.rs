@@ -53,15 +53,7 @@ impl Gltf {
         self.tell_of(&other);
         let images = other.loose_images();
         let strays = other.stray_images(&images);
-        let mut shift = Shift::default();
-        for &(key, _) in TABLES {
-            let own = if key == "buffers" { 0 } else { self.list(key).len() };
-            shift.by.insert(key.to_owned(), own);
-        }
-        for &(extension, key, _) in ROOT_TABLES {
-            let own = self.json.pointer(&format!("/extensions/{extension}/{key}")).and_then(Value::as_array);
-            shift.by.insert(format!("{extension}/{key}"), own.map_or(0, Vec::len));
-        }
+        let mut shift = self.shift();
         let own = |key: &str| shift.by.get(key).copied().unwrap_or(0);
         let (views, pictures, first) = (own("bufferViews"), own("images"), own("nodes"));
         let starts = self.take_buffers(&mut other)?;
@@ -105,6 +97,20 @@ impl Gltf {
         self.show(name, &other.json, (roots, graph), (first, scene))
     }
 
+    /// By how much what another document refers to moves. Which buffer a view is of is seen to with the buffers.
+    fn shift(&self) -> Shift {
+        let mut shift = Shift::default();
+        for &(key, _) in TABLES {
+            let own = if key == "buffers" { 0 } else { self.list(key).len() };
+            shift.by.insert(key.to_owned(), own);
+        }
+        for &(extension, key, _) in ROOT_TABLES {
+            let own = self.json.pointer(&format!("/extensions/{extension}/{key}")).and_then(Value::as_array);
+            shift.by.insert(format!("{extension}/{key}"), own.map_or(0, Vec::len));
+        }
+        shift
+    }
+
     /// Puts the roots of a scene, moved by `first`, into our `scene`.
     fn show(
         &mut self,
@@ -113,8 +119,13 @@ impl Gltf {
         (roots, graph): (&[usize], &Graph),
         (first, scene): (usize, usize),
     ) -> Result<Vec<usize>, AssetError> {
+        // Nothing places it, and nobody but itself is to be found by the name.
+        let is_apart = |node: &Node| {
+            let below: Vec<usize> = node.children.iter().map(|child| child.saturating_add(first)).collect();
+            node.skin.is_some() && node.mesh.is_some() && self.mesh_nodes(&below).is_empty()
+        };
         let (apart, below): (Vec<usize>, Vec<usize>) =
-            roots.iter().partition(|&&root| graph.nodes.get(root).is_some_and(Node::is_carried_by_joints));
+            roots.iter().partition(|&&root| graph.nodes.get(root).is_some_and(is_apart));
         let moved = |nodes: Vec<usize>| nodes.into_iter().map(|node| node.saturating_add(first));
         let (apart, below): (Vec<usize>, Vec<usize>) = (moved(apart).collect(), moved(below).collect());
         let mut out = match below.as_slice() {
