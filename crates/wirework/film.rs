@@ -49,7 +49,7 @@ impl Film<'_> {
             let start = Instant::now();
             for list in vertices.iter_mut() {
                 list.place(self.motion.points, &self.motion.now);
-                list.shade()?;
+                list.shade(self.motion.evaluation.joints())?;
             }
             let shaded = Instant::now();
             self.shade += shaded - start;

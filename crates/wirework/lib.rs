@@ -126,6 +126,7 @@ mod film;
 mod fineness;
 mod fit;
 mod inspect;
+mod joints;
 mod mask;
 mod motion;
 mod net;
