@@ -4,7 +4,8 @@ use serde::Serialize;
 use wirework_asset::{AssetError, Gltf, Limits, Obj, RefinedMesh, Rest};
 use wirework_preset::{Action, Effect};
 use wirework_surface::{
-    Mesh, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, smooth_normals, subdivide,
+    Cut, Mesh, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, cut_edges,
+    smooth_normals, subdivide,
 };
 use wirework_wrinkle::{SurfaceView, creases};
 
@@ -91,6 +92,33 @@ impl Subject {
     /// [`JobError::Refine`]: a list of another length, a length that is not above 0. [`JobError::Asset`]: more vertices or
     /// indices than `limits` allow, counted before they are made; attributes that are malformed.
     pub fn refined(self, wanted: &[f32], limits: &Limits) -> Result<(Self, Refinement), JobError> {
+        self.finer(Finer::Halved(wanted), limits)
+    }
+
+    /// The subject with edges cut where it is said, for each cut its new points in order, and what was done. The ends of
+    /// cuts are [`Subject::points`], and their edge is one of a face: a polygon's diagonal is none.
+    ///
+    /// All triangles and faces at an edge are cut with it, and no others. All else is as with [`Subject::refined`]. A new
+    /// point stays one of its own where there is another at the same place; vertices on the two sides of a seam, which
+    /// share the points at the ends of the edge, share it.
+    ///
+    /// The control points of a patch are not touched, which is a warning, and there are no new points.
+    ///
+    /// # Errors
+    ///
+    /// [`JobError::Refine`]: an edge that is not there, or twice; shares that do not rise from 0 to 1.
+    /// [`JobError::Asset`]: as with [`Subject::refined`].
+    pub fn cut(self, cuts: &[Cut], limits: &Limits) -> Result<(Self, Vec<Vec<u32>>, Refinement), JobError> {
+        let places = if self.net.is_some() {
+            vec![Vec::new(); cuts.len()]
+        } else {
+            Cut::places(cuts, self.points.len())
+        };
+        let (subject, done) = self.finer(Finer::Cut(cuts), limits)?;
+        Ok((subject, places, done))
+    }
+
+    fn finer(self, how: Finer<'_>, limits: &Limits) -> Result<(Self, Refinement), JobError> {
         if let Some(ControlNet { tessellation: [u, v], .. }) = &self.net {
             let warning = format!(
                 "the object is a patch whose control points are deformed: its surface stays at {u} by {v} cells, as its \
@@ -99,10 +127,10 @@ impl Subject {
             return Ok((self, Refinement { warnings: vec![warning], ..Refinement::default() }));
         }
         let Self { points, triangles, model, net, point_of, origin } = self;
-        let wanted = Wanted { places: &points, place_of: &point_of, longest: wanted };
+        let places = (points.as_slice(), point_of.as_slice());
         match model {
             Model::Mesh { name, mesh, obj } => {
-                let finer = mesh.subdivide(&wanted, room(limits)).map_err(refused(&origin, limits))?;
+                let finer = how.of_mesh(&mesh, places, room(limits)).map_err(refused(&origin, limits))?;
                 if finer.is_empty() {
                     let model = Model::Mesh { name, mesh, obj };
                     let same = Self { points, triangles, model, net, point_of, origin };
@@ -119,12 +147,16 @@ impl Subject {
                     mesh.normals = normals;
                     mesh.corners.iter_mut().for_each(|corner| corner.normal = Some(corner.position));
                 }
-                let subject = Self { origin, ..Self::new(Model::Mesh { name, mesh, obj })? };
+                let weld = with_new(points, [point_of, finer.place_of].concat(), &mesh.positions);
+                let triangles = weld.triangles(&mesh.triangles()?);
+                let Weld { points, point_of } = weld;
+                let model = Model::Mesh { name, mesh, obj };
+                let subject = Self { points, triangles, model, net, point_of, origin };
                 Ok((subject, Refinement { meshes: vec![done], ..Refinement::default() }))
             }
             Model::Gltf { gltf, rest } => {
-                let finer =
-                    subdivide(&rest.triangles, &wanted, room(limits)).map_err(refused(&origin, limits))?;
+                let finer = how.of_triangles(&rest.triangles, places, room(limits));
+                let finer = finer.map_err(refused(&origin, limits))?;
                 if finer.is_empty() {
                     let model = Model::Gltf { gltf, rest };
                     let same = Self { points, triangles, model, net, point_of, origin };
@@ -133,6 +165,40 @@ impl Subject {
                 let (subject, done) = finer_scene(*gltf, &rest, points, &point_of, &finer)?;
                 Ok((Self { origin, ..subject }, done))
             }
+        }
+    }
+}
+
+/// How a subject becomes finer.
+#[derive(Clone, Copy)]
+enum Finer<'a> {
+    /// For each point the longest an edge there may be.
+    Halved(&'a [f32]),
+    Cut(&'a [Cut]),
+}
+
+impl Finer<'_> {
+    fn of_mesh(
+        self,
+        mesh: &Mesh,
+        (places, place_of): (&[[f32; 3]], &[u32]),
+        limits: SubdivideLimits,
+    ) -> Result<MeshSubdivision, SubdivideError> {
+        match self {
+            Self::Halved(longest) => mesh.subdivide(&Wanted { places, place_of, longest }, limits),
+            Self::Cut(cuts) => mesh.cut(place_of, places.len(), cuts, limits),
+        }
+    }
+
+    fn of_triangles(
+        self,
+        triangles: &[[u32; 3]],
+        (places, place_of): (&[[f32; 3]], &[u32]),
+        limits: SubdivideLimits,
+    ) -> Result<Subdivision, SubdivideError> {
+        match self {
+            Self::Halved(longest) => subdivide(triangles, &Wanted { places, place_of, longest }, limits),
+            Self::Cut(cuts) => cut_edges(triangles, place_of, places.len(), cuts, limits),
         }
     }
 }
@@ -155,7 +221,7 @@ fn finer_mesh(
 fn smooth(mesh: &Mesh, finer: &MeshSubdivision) -> Option<Vec<[f32; 3]>> {
     let triangles = mesh.triangles().ok().filter(|_| mesh.normals.is_empty())?;
     let coarse = smooth_normals(&mesh.positions, &triangles);
-    let mut normals = Subdivision::middles(&coarse, &finer.positions);
+    let mut normals = Subdivision::between(&coarse, &finer.positions, &finer.position_shares);
     for normal in &mut normals {
         let length = normal.iter().map(|c| c * c).sum::<f32>().sqrt();
         if length.is_nan() || length < SIDELESS {
@@ -166,33 +232,37 @@ fn smooth(mesh: &Mesh, finer: &MeshSubdivision) -> Option<Vec<[f32; 3]>> {
     Some(normals)
 }
 
-/// A scene with finer meshes. New vertices share a point where their parents do, even if rounding has put them apart: no
-/// seam can open.
+/// Points behind the old ones for the new places of positions. New positions share a point where their parents do, even if
+/// rounding has put them apart: no seam can open. Where they fall on another point they do not share it: two borders that
+/// lie on each other stay two.
+fn with_new(mut points: Vec<[f32; 3]>, point_of: Vec<u32>, positions: &[[f32; 3]]) -> Weld {
+    for (p, &place) in positions.iter().zip(&point_of) {
+        let place = place as usize;
+        if place >= points.len() {
+            points.resize(place + 1, [f32::NAN; 3]);
+        }
+        if points[place][0].is_nan() {
+            points[place] = *p;
+        }
+    }
+    Weld { points, point_of }
+}
+
+/// A scene with finer meshes.
 fn finer_scene(
     mut gltf: Gltf,
     rest: &Rest,
-    mut points: Vec<[f32; 3]>,
+    points: Vec<[f32; 3]>,
     point_of: &[u32],
     finer: &Subdivision,
 ) -> Result<(Subject, Refinement), JobError> {
     let refined = gltf.refine(rest, finer)?;
-    let old = points.len();
-    points.resize(old + finer.place_parents.len(), [f32::NAN; 3]);
-    let mut of_vertices = Vec::with_capacity(refined.vertex_of.len());
-    for (p, &vertex) in refined.rest.positions.iter().zip(&refined.vertex_of) {
-        let vertex = vertex as usize;
-        let place = point_of.get(vertex).or_else(|| finer.place_of.get(vertex - point_of.len()));
-        let place = place.copied().unwrap_or_default();
-        of_vertices.push(place);
-        if let Some(point) = points.get_mut(place as usize).filter(|point| point[0].is_nan()) {
-            *point = *p;
-        }
-    }
-    // A new point may fall on another one, as where one side of a seam had a vertex that the other did not.
-    let weld = Weld::new(&points);
-    let point_of: Vec<u32> = of_vertices.iter().map(|&place| weld.point_of[place as usize]).collect();
-    let triangles = &refined.rest.triangles;
-    let triangles = triangles.iter().map(|t| t.map(|v| point_of[v as usize])).collect();
+    let place = |&vertex: &u32| {
+        let new = || finer.place_of.get(vertex as usize - point_of.len());
+        point_of.get(vertex as usize).or_else(new).copied().unwrap_or_default()
+    };
+    let weld = with_new(points, refined.vertex_of.iter().map(place).collect(), &refined.rest.positions);
+    let triangles = weld.triangles(&refined.rest.triangles);
     let meshes = refined.meshes.iter().map(|mesh| told(&gltf, mesh)).collect();
     let subject = Subject {
         points: weld.points,
@@ -200,7 +270,7 @@ fn finer_scene(
         origin: Origin::File(gltf.file().to_owned()),
         model: Model::Gltf { gltf: Box::new(gltf), rest: Box::new(refined.rest) },
         net: None,
-        point_of,
+        point_of: weld.point_of,
     };
     Ok((subject, Refinement { meshes, warnings: Vec::new() }))
 }
