@@ -212,8 +212,18 @@ fn finer_mesh(
     limits: &Limits,
 ) -> Result<(Mesh, Option<Box<Obj>>), AssetError> {
     let Some(obj) = obj else { return Ok((finer.apply(mesh), None)) };
-    let own = Box::new(obj.refined(finer, limits)?);
+    // Normals that it got when it became finer before are not the file's.
+    let is_smooth = obj.mesh.normals.is_empty() && !mesh.normals.is_empty();
+    let bare = is_smooth.then(|| without_normals(finer));
+    let own = Box::new(obj.refined(bare.as_ref().unwrap_or(finer), limits)?);
     Ok((if *mesh == obj.mesh { own.mesh.clone() } else { finer.apply(mesh) }, Some(own)))
+}
+
+fn without_normals(finer: &MeshSubdivision) -> MeshSubdivision {
+    let mut out = finer.clone();
+    (out.normals, out.normal_shares) = (Vec::new(), Vec::new());
+    out.corners.iter_mut().for_each(|corner| corner.normal = None);
+    out
 }
 
 /// Normals of a mesh that has none, at its finer positions: those of the coarse one between them. From the finer faces themselves they would

@@ -237,7 +237,8 @@ fn borders_that_lie_on_each_other_stay_two_and_seams_stay_one() {
     let text = b"v 0 0 0\nv 2 0 0\nv 0 2 0\nv 1 -1 0\nv 1 1 0\nv 3 0 0\nv 0 0 0\nf 1 2 3\nf 4 6 5\nf 2 7 4\n";
     let obj = Obj::from_slice(text, "two.obj", &Limits::default()).unwrap();
     let mesh = obj.mesh.clone();
-    let subject = Subject::new(Model::Mesh { name: "two".to_owned(), mesh, obj: Some(Box::new(obj)) }).unwrap();
+    let subject =
+        Subject::new(Model::Mesh { name: "two".to_owned(), mesh, obj: Some(Box::new(obj)) }).unwrap();
     assert_eq!((subject.points.len(), subject.point_of[6]), (6, 0));
     let cuts = [[0, 1], [4, 3]].map(|ends| Cut { ends, shares: vec![0.5] });
     let (finer, places, _) = subject.cut(&cuts, &Limits::default()).unwrap();
