@@ -1,9 +1,13 @@
-//! Normals that are continuous where seams are welded.
+//! What becomes one where seams are welded: normals, and the vertices of a still.
 //!
 //! Both sides have vertices there whose normals follow their own faces. As the sides come together their normals turn to the mean of the
 //! two, or of all that meet in a corner, and are one when they have.
 
 use std::collections::HashMap;
+
+use wirework_surface::Mesh;
+
+use crate::MeshPart;
 
 /// A mean of unit normals that is shorter has no direction: the sides face away from each other.
 const CANCELLED: f32 = 0.1;
@@ -62,6 +66,42 @@ impl Joints {
         let of = |points: &[u32]| points.iter().filter_map(|point| at.get(point).cloned()).collect();
         self.groups = groups.iter().map(|(points, _)| of(points)).collect();
     }
+}
+
+/// A mesh in which points that have become one are listed once, with the first of its part's numbers; its parts as they are then.
+pub(crate) fn as_one<'a>(
+    mesh: &Mesh,
+    parts: &[MeshPart],
+    groups: impl Iterator<Item = (&'a [u32], f32)>,
+    point_of: &[u32],
+) -> (Mesh, Vec<MeshPart>) {
+    let mut group_of: HashMap<u32, u32> = HashMap::new();
+    for ((points, _), number) in groups.filter(|(_, closed)| *closed >= 1.0).zip(0..) {
+        group_of.extend(points.iter().map(|&point| (point, number)));
+    }
+    let mut first: HashMap<u32, u32> = HashMap::new();
+    let (mut kept, mut positions) = (Vec::with_capacity(mesh.positions.len()), Vec::new());
+    // How many are kept before each.
+    let mut before = vec![0];
+    for (place, point) in mesh.positions.iter().zip(point_of) {
+        let next = positions.len() as u32;
+        let own = group_of.get(point).map_or(next, |group| *first.entry(*group).or_insert(next));
+        if own == next {
+            positions.push(*place);
+        }
+        kept.push(own);
+        before.push(positions.len() as u32);
+    }
+    let now = |i: u32| before.get(i as usize).copied().unwrap_or_default();
+    let part = |part: &MeshPart| MeshPart {
+        positions: part.positions.iter().map(|range| now(range.start)..now(range.end)).collect(),
+        ..part.clone()
+    };
+    let mut out = Mesh { positions, ..mesh.clone() };
+    for corner in &mut out.corners {
+        corner.position = kept.get(corner.position as usize).copied().unwrap_or_default();
+    }
+    (out, parts.iter().map(part).collect())
 }
 
 fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
