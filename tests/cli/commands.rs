@@ -99,6 +99,48 @@ fn inspect_reads_presets() {
 }
 
 #[test]
+fn of_stitches_inspect_tells_pieces_and_seams() {
+    let place = Place::new();
+    let printed = place.run("new stitch").expect(0).out();
+    place.write("new.ron", &printed);
+    let table = place.run("inspect new.ron").expect(0).out();
+    for line in [
+        "object       none: it brings pieces",
+        "effect 0     Stitch: 2 pieces, 1 seam",
+        "piece 1      \"back\": Patch",
+        "seam 0       \"front\" and \"back\", 1 tear",
+    ] {
+        assert!(table.lines().any(|own| own == line), "{line} in\n{table}");
+    }
+    place.write(
+        "nodes.ron",
+        "Stitch(seams: [Seam(a: Edge(piece: \"x\", side: UMin), b: Edge(piece: \"y\", side: UMax))])",
+    );
+    let table = place.run("inspect nodes.ron").expect(0).out();
+    assert!(table.contains("it needs an input") && table.contains("\"x\": the node of that name"), "{table}");
+}
+
+#[test]
+fn stitches_are_checked_on_their_pieces() {
+    let place = Place::new();
+    let printed = place.run("new stitch").expect(0).out();
+    place.write("off.ron", printed.replace("side: UMin)", "from: (9, 9, 9), to: (0.2, 1, 0))"));
+    let err = place.run("check off.ron").expect(4).err();
+    assert!(err.contains("no boundary runs here") && err.contains("at seams[0].b.from"), "{err}");
+    place.write("new.ron", printed);
+    // The pieces stand beside a model that has no nodes of their names.
+    place.run("apply lift.ron -o lift.glb").expect(0);
+    place.run("check new.ron --on lift.glb").expect(0);
+    // They are its nodes where it has them.
+    place.run("apply new.ron -o new.glb").expect(0);
+    let nodes = "Stitch(seams: [Seam(a: Edge(piece: \"front\", loop: (-0.2, 1, 0)), b: Edge(piece: \"back\", loop: (0.2, 1, 0)))])";
+    place.write("nodes.ron", nodes);
+    place.run("check nodes.ron --on new.glb").expect(0);
+    let err = place.run("check nodes.ron --on lift.glb").expect(4).err();
+    assert!(err.contains("there is no piece \"front\""), "{err}");
+}
+
+#[test]
 fn shells_get_completions_and_readers_a_manual() {
     let place = Place::new();
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
