@@ -129,6 +129,15 @@ fn of_stitches_inspect_tells_pieces_and_seams() {
 }
 
 #[test]
+fn apply_says_where_welds_made_meshes_finer() {
+    let place = Place::new();
+    let sleeve = "presets/stitch/sleeve.ron";
+    let sleeve = Path::new(env!("CARGO_MANIFEST_DIR")).join(sleeve);
+    let told = place.run_with(["apply", sleeve.to_str().unwrap(), "-o", "out.glb"], b"").expect(0).err();
+    assert!(told.contains("along its seams") && !told.contains("folds"), "{told}");
+}
+
+#[test]
 fn stitches_are_checked_on_their_pieces() {
     let place = Place::new();
     let printed = place.run("new stitch").expect(0).out();
