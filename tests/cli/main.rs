@@ -19,6 +19,7 @@ mod place;
 mod player;
 mod real_files;
 mod render;
+mod stitches;
 mod storage;
 mod tangents;
 mod wrinkles;

@@ -24,7 +24,7 @@ const HIGH: f64 = 0.03;
 const WIDE: f64 = 0.1;
 
 /// The positions of an OBJ text, read as the text says.
-fn vertices(text: &[u8]) -> Vec<DVec3> {
+pub(crate) fn vertices(text: &[u8]) -> Vec<DVec3> {
     let numbers = |line: &str| -> Vec<f64> { line.split_whitespace().map(|n| n.parse().unwrap()).collect() };
     let text = std::str::from_utf8(text).unwrap();
     text.lines()
@@ -34,7 +34,7 @@ fn vertices(text: &[u8]) -> Vec<DVec3> {
 }
 
 /// The faces of an OBJ text as corners, fans where they have more than three.
-fn triangles(text: &[u8]) -> Vec<[usize; 3]> {
+pub(crate) fn triangles(text: &[u8]) -> Vec<[usize; 3]> {
     let corner = |part: &str| part.split('/').next().unwrap().parse::<usize>().unwrap() - 1;
     let text = std::str::from_utf8(text).unwrap();
     let faces = text.lines().filter_map(|line| line.strip_prefix("f "));
@@ -47,7 +47,7 @@ fn triangles(text: &[u8]) -> Vec<[usize; 3]> {
 }
 
 /// An OBJ text of points and faces.
-fn obj(points: &[DVec3], faces: &[[usize; 3]]) -> String {
+pub(crate) fn obj(points: &[DVec3], faces: &[[usize; 3]]) -> String {
     let mut text = String::new();
     for p in points {
         writeln!(text, "v {} {} {}", p.x, p.y, p.z).unwrap();
@@ -59,7 +59,7 @@ fn obj(points: &[DVec3], faces: &[[usize; 3]]) -> String {
 }
 
 /// A rectangle in the plane `y = 0`, outside up, from `min` to `max` in x and z.
-fn sheet(min: [f64; 2], max: [f64; 2], cells: [usize; 2]) -> (Vec<DVec3>, Vec<[usize; 3]>) {
+pub(crate) fn sheet(min: [f64; 2], max: [f64; 2], cells: [usize; 2]) -> (Vec<DVec3>, Vec<[usize; 3]>) {
     let [n, m] = cells;
     let between = |a: f64, b: f64, i: usize, n: usize| a + (b - a) * i as f64 / n as f64;
     let point =
@@ -86,14 +86,14 @@ fn shut(rest: &[DVec3], now: &[DVec3]) {
 
 impl Place {
     /// What a preset makes of its own object at a moment.
-    fn still(&self, preset: &str, seconds: f64) -> Vec<DVec3> {
+    pub(crate) fn still(&self, preset: &str, seconds: f64) -> Vec<DVec3> {
         self.write("still.ron", preset);
         self.run(&format!("apply still.ron -o still.obj --at {seconds} -q")).expect(0);
         vertices(&self.read("still.obj"))
     }
 
     /// What it makes of a model, and what is said.
-    fn still_of(&self, preset: &str, model: &str, seconds: f64) -> (Vec<DVec3>, String) {
+    pub(crate) fn still_of(&self, preset: &str, model: &str, seconds: f64) -> (Vec<DVec3>, String) {
         self.write("still.ron", preset);
         let done = self.run(&format!("apply still.ron {model} -o still.obj --at {seconds}")).expect(0);
         (vertices(&self.read("still.obj")), done.err())
