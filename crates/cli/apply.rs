@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use wirework::asset::{OutputFile, check_output, printable, write_files};
+use wirework::preset::{Action, Effect};
 use wirework::{Fault, FinerMesh, Job, JobError, Report, When, bake};
 
 use crate::args::{Apply, Bake};
@@ -44,7 +45,7 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
         console.fail_strict(&error);
         diagnostics::fail(console, &preset, error)
     })?;
-    tell(console, args, &report)?;
+    tell(console, args, &preset.parsed.preset.effects, &report)?;
     Ok(())
 }
 
@@ -61,7 +62,17 @@ fn bake(asked: Bake) -> Result<bake::Bake, Failure> {
     Err(Failure::new(Fault::Request, message))
 }
 
-fn tell(console: Console, args: &Apply, report: &Report) -> Result<(), Failure> {
+/// Where effects have meshes made finer.
+fn finer_where(effects: &[Effect]) -> &'static str {
+    let sews = effects.iter().any(|effect| matches!(effect.action, Action::Stitch(_)));
+    match (effects.iter().any(|effect| effect.refine), sews) {
+        (false, true) => "along its seams",
+        (true, true) => "where it folds and along its seams",
+        (_, false) => "where it folds",
+    }
+}
+
+fn tell(console: Console, args: &Apply, effects: &[Effect], report: &Report) -> Result<(), Failure> {
     for warning in &report.warnings {
         console.warn(warning);
     }
@@ -75,7 +86,8 @@ fn tell(console: Console, args: &Apply, report: &Report) -> Result<(), Failure> 
         report.peak_bytes as f64 / 1e6
     ));
     for FinerMesh { name, before, after } in &report.refined {
-        console.note(&format!("mesh {}: {before} vertices are {after} where it folds", printable(name)));
+        let place = finer_where(effects);
+        console.note(&format!("mesh {}: {before} vertices are {after} {place}", printable(name)));
     }
     let what = match (&args.output, args.dry_run) {
         (Some(path), false) => format!("wrote {}", printable(&path.display().to_string())),

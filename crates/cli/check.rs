@@ -77,8 +77,12 @@ struct Doubts {
 fn fit(file: &PresetFile, path: &Path, model: Option<&Subject>, args: &Check) -> Result<Doubts, JobError> {
     let (path, preset) = (presets::named(path), &file.parsed.preset);
     let (folder, limits) = (path.parent().unwrap_or(Path::new("")), args.limits.asset());
-    let own = if model.is_none() { Subject::from_preset(preset, path, &limits)? } else { None };
-    let Some(subject) = model.or(own.as_ref()) else {
+    // A model is shared between presets, but where pieces are put together on it.
+    let own = match model {
+        Some(_) if preset.pieces().is_empty() => None,
+        _ => Subject::for_preset(model.cloned(), preset, path, &limits)?,
+    };
+    let Some(subject) = own.as_ref().or(model) else {
         check_images(&preset.effects, folder, &limits)?;
         return Ok(Doubts::default());
     };
@@ -88,7 +92,8 @@ fn fit(file: &PresetFile, path: &Path, model: Option<&Subject>, args: &Check) ->
     if let Some(point) = now.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
         return Err(JobError::OutOfRange { point, seconds: 0.0 });
     }
-    let mut warnings = own.as_ref().map_or_else(Vec::new, Subject::warnings);
+    // Those of a model are told once for all presets.
+    let mut warnings = if model.is_none() { subject.warnings() } else { Vec::new() };
     let name = printable(&file.file);
     warnings.extend(evaluation.warnings().into_iter().map(|warning| format!("{name}: {warning}")));
     Ok(Doubts { missing, warnings })

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use wirework::asset::printable;
-use wirework::{AssetFacts, Fault, NodeFacts, PartFacts, PresetFacts, inspect_asset};
+use wirework::{AssetFacts, EffectFacts, Fault, NodeFacts, PartFacts, PresetFacts, inspect_asset};
 
 use crate::args::Inspect;
 use crate::console::{Console, print};
@@ -161,17 +161,36 @@ fn asset_table(facts: &AssetFacts) -> String {
 
 fn preset_table(facts: &PresetFacts) -> String {
     let mut table = Table::default();
-    table.row("object", facts.object.unwrap_or("none: it needs an input"));
-    table.rows("effect", &facts.effects, |effect| {
-        let lattice = effect.lattice.map(|[l, m, n]| format!("a lattice of {l} x {m} x {n} cells"));
-        let only = effect.only.as_ref().map(|only| format!("only: {}", printable(only)));
-        let mask = effect.mask.as_ref().map(|mask| format!("mask: {}", printable(mask)));
-        let units = (effect.units != "Metres").then(|| format!("units: {}", effect.units));
-        let wires = of(effect.wires, "wire", "wires");
-        let parts: Vec<String> = [Some(wires), lattice, only, mask, units].into_iter().flatten().collect();
-        format!("{}: {}", effect.effect, parts.join(", "))
-    });
+    let none = if facts.complete { "none: it brings pieces" } else { "none: it needs an input" };
+    table.row("object", facts.object.unwrap_or(none));
+    for (index, effect) in facts.effects.iter().enumerate() {
+        table.row(&format!("effect {index}"), &effect_line(effect));
+        table.rows("piece", &effect.pieces, |piece| {
+            format!("{}: {}", named(Some(&piece.name)), piece.object.unwrap_or("the node of that name"))
+        });
+        table.rows("seam", &effect.seams, |seam| {
+            let [a, b] = seam.pieces.each_ref().map(|name| named(Some(name)));
+            let tears = (seam.tears > 0).then(|| of(seam.tears, "tear", "tears"));
+            let weld = seam.weld.then(|| "welded".to_owned());
+            let parts: Vec<String> =
+                [Some(format!("{a} and {b}")), tears, weld].into_iter().flatten().collect();
+            parts.join(", ")
+        });
+    }
     table.row("duration", &format!("{} s", facts.duration));
     table.row("animated", if facts.animated { "yes" } else { "no: a still" });
     table.0
+}
+
+fn effect_line(effect: &EffectFacts) -> String {
+    let lattice = effect.lattice.map(|[l, m, n]| format!("a lattice of {l} x {m} x {n} cells"));
+    let only = effect.only.as_ref().map(|only| format!("only: {}", printable(only)));
+    let mask = effect.mask.as_ref().map(|mask| format!("mask: {}", printable(mask)));
+    let units = (effect.units != "Metres").then(|| format!("units: {}", effect.units));
+    let count = match (effect.pieces.len(), effect.seams.len()) {
+        (_, 0) => of(effect.wires, "wire", "wires"),
+        (pieces, seams) => format!("{}, {}", of(pieces, "piece", "pieces"), of(seams, "seam", "seams")),
+    };
+    let parts: Vec<String> = [Some(count), lattice, only, mask, units].into_iter().flatten().collect();
+    format!("{}: {}", effect.effect, parts.join(", "))
 }

@@ -11,6 +11,7 @@ use wirework_bake::{Baker, Settings};
 use wirework_surface::Mesh;
 
 use crate::error::count;
+use crate::joints::as_one;
 use crate::motion::Motion;
 use crate::output::{Pattern, Scene, scene_mesh};
 use crate::parts::MeshPart;
@@ -49,7 +50,7 @@ impl Film<'_> {
             let start = Instant::now();
             for list in vertices.iter_mut() {
                 list.place(self.motion.points, &self.motion.now);
-                list.shade()?;
+                list.shade(self.motion.evaluation.joints())?;
             }
             let shaded = Instant::now();
             self.shade += shaded - start;
@@ -138,14 +139,22 @@ impl Film<'_> {
             }
             Model::Mesh { parts, mesh, obj } => {
                 let (mut mesh, normals) = own_normals(&mesh, &point_of)?;
+                let own = point_of.clone();
                 let places = Vertices::new(mesh.positions.clone(), point_of);
                 let mut vertices: Vec<Vertices> = [places].into_iter().chain(normals).collect();
                 self.shade += start.elapsed();
                 self.play(&mut vertices, |frame, _, vertices| {
                     follow(&mut mesh, vertices);
-                    keep(frame, obj_text(obj.as_deref(), &parts, &mesh));
+                    // The frames of a sequence are to have the same vertices, and a file its own.
+                    if pattern.is_some() || obj.is_some() {
+                        keep(frame, obj_text(obj.as_deref(), &parts, &mesh));
+                    }
                     Ok(())
                 })?;
+                if pattern.is_none() && obj.is_none() {
+                    let (mesh, parts) = as_one(&mesh, &parts, self.motion.evaluation.joints(), &own);
+                    keep(0, obj_text(None, &parts, &mesh));
+                }
             }
         }
         Ok(Product { files, ..Product::default() })

@@ -6,9 +6,9 @@ use wirework_asset::Limits;
 use wirework_preset::Effect;
 
 use crate::fineness::{Span, refined};
-use crate::mask::Masks;
+use crate::mask::{Masks, masks};
 use crate::refine::Refinement;
-use crate::sew::{Sewn, sew};
+use crate::sew::{Sewn, sew_welded};
 use crate::{JobError, Subject};
 
 /// What effects have of a subject.
@@ -19,18 +19,22 @@ pub(crate) struct Fit {
     pub(crate) seams: Sewn,
 }
 
-/// Makes the subject as fine as effects ask, and looks up in it what they name.
+/// Makes the subject as fine as effects ask, cuts borders that are to be welded, and looks up in it what they name.
 ///
 /// # Errors
 ///
-/// As [`refined`] and [`sew`].
+/// As [`refined`] and [`sew_welded`].
 pub(crate) fn fit(
     subject: Subject,
     effects: &[Effect],
     span: Span,
     (folder, limits): (&Path, &Limits),
 ) -> Result<(Subject, Fit, Refinement), JobError> {
-    let (subject, masks, refinement) = refined(subject, effects, span, (folder, limits))?;
-    let seams = sew(&subject, effects)?;
+    let (subject, made, mut refinement) = refined(subject, effects, span, (folder, limits))?;
+    let (subject, seams, cut) = sew_welded(subject, effects, limits)?;
+    let masks =
+        if cut.meshes.is_empty() { made } else { masks(&subject, effects, folder, limits)?.complete()? };
+    refinement.warnings.extend(cut.warnings);
+    refinement.take(cut.meshes);
     Ok((subject, Fit { masks, seams }, refinement))
 }

@@ -4,7 +4,10 @@ mod asset;
 mod parts;
 
 use serde::Serialize;
-use wirework_preset::{Action, Effect, Mask, Object, Only, Parsed, PatchDeform, Shape, Units};
+use wirework_preset::{
+    Action, Effect, Mask, Object, Only, Parsed, PatchDeform, Piece, Preset, Shape, Stitching, Units,
+};
+use wirework_stitch::{Edge, Seam};
 
 pub use asset::{RefusedAsset, inspect_asset};
 pub use parts::{NodeFacts, PartFacts};
@@ -103,6 +106,8 @@ pub struct AnimationFacts {
 pub struct PresetFacts {
     /// The kind of its own object, if it has one: `Grid`, `File` and so on.
     pub object: Option<&'static str>,
+    /// Whether it runs on what it brings along, without an input.
+    pub complete: bool,
     /// Its effects in their order, one unless it is a stack.
     pub effects: Vec<EffectFacts>,
     /// Its length in seconds.
@@ -117,10 +122,14 @@ pub struct PresetFacts {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct EffectFacts {
-    /// `Deform` or `Wrinkle`.
+    /// `Deform`, `Wrinkle` or `Stitch`.
     pub effect: &'static str,
-    /// How many wires it draws; those of a wire lattice count each.
+    /// How many wires it draws; those of a wire lattice count each, and each seam has two.
     pub wires: usize,
+    /// The pieces that a stitch names.
+    pub pieces: Vec<PieceFacts>,
+    /// The seams of a stitch.
+    pub seams: Vec<SeamFacts>,
     /// Cells of the lattice that the wires move, if there is one.
     pub lattice: Option<[u8; 3]>,
     /// What it may move, as in the preset; none: everything. Wires may have more of their own.
@@ -131,12 +140,35 @@ pub struct EffectFacts {
     pub units: &'static str,
 }
 
+/// A piece of a stitch.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct PieceFacts {
+    /// Its name.
+    pub name: String,
+    /// The kind of its object; none: the node of its name.
+    pub object: Option<&'static str>,
+}
+
+/// A seam of a stitch.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct SeamFacts {
+    /// The names of the pieces whose edges `a` and `b` are.
+    pub pieces: [String; 2],
+    /// How many tears it has.
+    pub tears: usize,
+    /// Whether the result is one surface along it.
+    pub weld: bool,
+}
+
 impl PresetFacts {
     /// The facts of a preset that has been read.
     pub fn of(parsed: &Parsed) -> Self {
         let preset = &parsed.preset;
         Self {
             object: preset.object.as_ref().map(of_object),
+            complete: preset.object.is_some() || brings_pieces(preset),
             effects: preset.effects.iter().map(of_effect).collect(),
             duration: preset.duration,
             animated: preset.animated,
@@ -145,12 +177,37 @@ impl PresetFacts {
     }
 }
 
+/// Whether all that its stitch sews comes along as pieces with objects.
+fn brings_pieces(preset: &Preset) -> bool {
+    let pieces = preset.pieces();
+    !pieces.is_empty() && pieces.iter().all(|piece| piece.object.is_some())
+}
+
+fn of_stitching(stitching: &Stitching) -> (Vec<PieceFacts>, Vec<SeamFacts>) {
+    let piece = |piece: &Piece| PieceFacts {
+        name: piece.name.name.clone(),
+        object: piece.object.as_ref().map(of_object),
+    };
+    let name = |edge: &Edge| {
+        stitching.pieces.get(edge.piece).map(|piece| piece.name.name.clone()).unwrap_or_default()
+    };
+    let seam = |seam: &Seam| SeamFacts {
+        pieces: [name(&seam.a), name(&seam.b)],
+        tears: seam.tears.len(),
+        weld: seam.weld,
+    };
+    (stitching.pieces.iter().map(piece).collect(), stitching.stitch.seams.iter().map(seam).collect())
+}
+
 fn of_effect(effect: &Effect) -> EffectFacts {
     let (name, wires, lattice) = match &effect.action {
         Action::Deform(deform) => ("Deform", deform.wires.len(), deform.lattice.map(|lattice| lattice.cells)),
         Action::Wrinkle(wrinkle) => ("Wrinkle", wrinkle.crease_count(), None),
-        // Has no wires yet.
-        Action::Stitch(_) => ("Stitch", 0, None),
+        Action::Stitch(stitching) => ("Stitch", 2 * stitching.stitch.seams.len(), None),
+    };
+    let (pieces, seams) = match &effect.action {
+        Action::Stitch(stitching) => of_stitching(stitching),
+        _ => Default::default(),
     };
     let mask = |mask: &Mask| match mask {
         Mask::VertexColor { channel, .. } => format!("VertexColor({channel:?})"),
@@ -159,6 +216,8 @@ fn of_effect(effect: &Effect) -> EffectFacts {
     EffectFacts {
         effect: name,
         wires,
+        pieces,
+        seams,
         lattice,
         only: effect.only.as_ref().map(of_only),
         mask: effect.mask.as_ref().map(mask),

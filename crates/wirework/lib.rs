@@ -126,6 +126,7 @@ mod film;
 mod fineness;
 mod fit;
 mod inspect;
+mod joints;
 mod mask;
 mod motion;
 mod net;
@@ -164,8 +165,8 @@ pub use apply::{Job, Progress, apply};
 pub use error::{Fault, JobError};
 pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{
-    AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts, PresetFacts,
-    RefusedAsset, SkinFacts, inspect_asset,
+    AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts, PieceFacts,
+    PresetFacts, RefusedAsset, SeamFacts, SkinFacts, inspect_asset,
 };
 pub use mask::check_images;
 pub use net::ControlNet;

@@ -5,6 +5,7 @@ mod gather;
 use std::collections::HashMap;
 
 use wirework_preset::{Object, Shape};
+use wirework_surface::Cut;
 
 /// Which points belong to which piece. Without pieces both lists are empty.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,18 +67,51 @@ impl Pieces {
         self.of_points.get(point as usize).copied().unwrap_or(Self::NONE)
     }
 
-    /// Whether points of a piece are never one because they are at one place.
-    pub(crate) fn is_distinct(&self, piece: u32) -> bool {
-        self.list.get(piece as usize).is_some_and(|piece| piece.distinct)
-    }
-
     /// The nodes that a piece of that name stands for besides.
     pub(crate) fn nodes(&self, name: &str) -> &[usize] {
         self.list.iter().find(|piece| piece.name == name).map_or(&[], |piece| &piece.nodes)
     }
 
+    /// The pieces of a finer subject: for each new point, behind the old ones, the two that it lies between; where each `halves` the
+    /// edge of these, sides take it up.
+    pub(crate) fn grown(mut self, new: impl Iterator<Item = ([u32; 2], u32)>, halves: bool) -> Self {
+        if self.is_empty() {
+            return self;
+        }
+        let new: Vec<_> = new.collect();
+        for &([a, b], point) in &new {
+            let piece = self.of(a).min(self.of(b));
+            let count = self.of_points.len().max(point as usize + 1);
+            self.of_points.resize(count, Self::NONE);
+            self.of_points[point as usize] = piece;
+        }
+        if halves {
+            self.refine_sides(new.into_iter());
+        }
+        self
+    }
+
+    /// The sides with the new points of cuts between theirs.
+    pub(crate) fn cut_sides(&mut self, cuts: &[Cut], points: &[Vec<u32>]) {
+        let known: HashMap<[u32; 2], (&Cut, &Vec<u32>)> =
+            cuts.iter().zip(points).map(|(cut, new)| (sorted(cut.ends), (cut, new))).collect();
+        for side in self.list.iter_mut().filter_map(|piece| piece.sides.as_mut()).flatten() {
+            let mut out = Vec::with_capacity(side.len());
+            for (i, &point) in side.iter().enumerate() {
+                out.push(point);
+                let Some(&next) = side.get(i + 1) else { continue };
+                match known.get(&sorted([point, next])) {
+                    Some((cut, new)) if cut.ends[0] == point => out.extend(new.iter()),
+                    Some((_, new)) => out.extend(new.iter().rev()),
+                    None => {}
+                }
+            }
+            *side = out;
+        }
+    }
+
     /// The sides with the new points between theirs: each new one is in the middle of two.
-    pub(crate) fn refine_sides(&mut self, new: impl Iterator<Item = ([u32; 2], u32)>) {
+    fn refine_sides(&mut self, new: impl Iterator<Item = ([u32; 2], u32)>) {
         let mut sides = self.list.iter_mut().filter_map(|piece| piece.sides.as_mut()).flatten().peekable();
         if sides.peek().is_none() {
             return;

@@ -3,12 +3,13 @@
 use serde::Serialize;
 use wirework_asset::{AssetError, Gltf, Limits, Obj, RefinedMesh, Rest};
 use wirework_surface::{
-    Mesh, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, smooth_normals, subdivide,
+    Cut, Mesh, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, cut_edges,
+    smooth_normals, subdivide,
 };
 
 use crate::subject::{Model, Origin, Subject};
-use crate::weld::{ANY, Weld};
-use crate::{ControlNet, JobError, MeshPart, Pieces, SubjectPiece, parts};
+use crate::weld::Weld;
+use crate::{ControlNet, JobError, MeshPart, Pieces, parts};
 
 /// What was done to a subject.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,6 +18,18 @@ pub struct Refinement {
     pub meshes: Vec<FinerMesh>,
     /// What could not be done.
     pub warnings: Vec<String>,
+}
+
+impl Refinement {
+    /// Takes up meshes that became finer once more.
+    pub(crate) fn take(&mut self, meshes: Vec<FinerMesh>) {
+        for mesh in meshes {
+            match self.meshes.iter_mut().find(|known| known.name == mesh.name && known.after == mesh.before) {
+                Some(known) => known.after = mesh.after,
+                None => self.meshes.push(mesh),
+            }
+        }
+    }
 }
 
 /// A mesh that became finer.
@@ -52,6 +65,34 @@ impl Subject {
     /// [`JobError::Refine`]: a list of another length, a length that is not above 0. [`JobError::Asset`]: more vertices or
     /// indices than `limits` allow, counted before they are made; attributes that are malformed.
     pub fn refined(self, wanted: &[f32], limits: &Limits) -> Result<(Self, Refinement), JobError> {
+        self.finer(Finer::Halved(wanted), limits)
+    }
+
+    /// The subject with edges cut where it is said, for each cut its new points in order, and what was done. The ends of
+    /// cuts are [`Subject::points`], and their edge is one of a face: a polygon's diagonal is none.
+    ///
+    /// All triangles and faces at an edge are cut with it, and no others. All else is as with [`Subject::refined`]. A new
+    /// point stays one of its own where there is another at the same place; vertices on the two sides of a seam, which
+    /// share the points at the ends of the edge, share it.
+    ///
+    /// The control points of a patch are not touched, which is a warning, and there are no new points.
+    ///
+    /// # Errors
+    ///
+    /// [`JobError::Refine`]: an edge that is not there, or twice; shares that do not rise from 0 to 1.
+    /// [`JobError::Asset`]: as with [`Subject::refined`].
+    pub fn cut(self, cuts: &[Cut], limits: &Limits) -> Result<(Self, Vec<Vec<u32>>, Refinement), JobError> {
+        let places = if self.net.is_some() {
+            vec![Vec::new(); cuts.len()]
+        } else {
+            Cut::places(cuts, self.points.len())
+        };
+        let (mut subject, done) = self.finer(Finer::Cut(cuts), limits)?;
+        subject.pieces.cut_sides(cuts, &places);
+        Ok((subject, places, done))
+    }
+
+    fn finer(self, how: Finer<'_>, limits: &Limits) -> Result<(Self, Refinement), JobError> {
         if let Some(ControlNet { tessellation: [u, v], .. }) = &self.net {
             let warning = format!(
                 "the object is a patch whose control points are deformed: its surface stays at {u} by {v} cells, as its \
@@ -60,10 +101,10 @@ impl Subject {
             return Ok((self, Refinement { warnings: vec![warning], ..Refinement::default() }));
         }
         let Self { points, triangles, model, net, pieces, point_of, origin } = self;
-        let wanted = Wanted { places: &points, place_of: &point_of, longest: wanted };
+        let places = (points.as_slice(), point_of.as_slice());
         match model {
             Model::Mesh { parts, mesh, obj } => {
-                let finer = mesh.subdivide(&wanted, room(limits)).map_err(refused(&origin, limits))?;
+                let finer = how.of_mesh(&mesh, places, room(limits)).map_err(refused(&origin, limits))?;
                 if finer.is_empty() {
                     let model = Model::Mesh { parts, mesh, obj };
                     let same = Self { points, triangles, model, net, pieces, point_of, origin };
@@ -76,27 +117,74 @@ impl Subject {
                 let finer_parts = parts::refined(&parts, mesh.positions.len(), &finer);
                 let done = parts.iter().zip(&finer_parts).filter(|(a, b)| a.count() < b.count());
                 let done = done.map(|(a, b)| told_part(a, b)).collect();
-                let pieces = Split::of(pieces, &point_of, &finer.positions);
                 let smooth = smooth(&mesh, &finer);
                 let (mut mesh, obj) = finer_mesh(&mesh, obj.as_deref(), &finer, limits)?;
                 if let Some(normals) = smooth {
                     mesh.normals = normals;
                     mesh.corners.iter_mut().for_each(|corner| corner.normal = Some(corner.position));
                 }
-                let subject = pieces.subject(Model::Mesh { parts: finer_parts, mesh, obj })?;
-                Ok((Self { origin, ..subject }, Refinement { meshes: done, ..Refinement::default() }))
+                let weld = with_new(points, [point_of, finer.place_of].concat(), &mesh.positions);
+                let first = weld.point_of.len() - finer.positions.len();
+                let point = |position: u32| weld.point_of[position as usize];
+                let new = finer.positions.iter().zip(&weld.point_of[first..]);
+                let new = new.map(|(ends, &new)| (ends.map(point), new));
+                let pieces = pieces.grown(new, how.halves());
+                let triangles = weld.triangles(&mesh.triangles()?);
+                let Weld { points, point_of } = weld;
+                let model = Model::Mesh { parts: finer_parts, mesh, obj };
+                let subject = Self { points, triangles, model, net, pieces, point_of, origin };
+                Ok((subject, Refinement { meshes: done, ..Refinement::default() }))
             }
             Model::Gltf { gltf, rest } => {
-                let finer =
-                    subdivide(&rest.triangles, &wanted, room(limits)).map_err(refused(&origin, limits))?;
+                let finer = how.of_triangles(&rest.triangles, places, room(limits));
+                let finer = finer.map_err(refused(&origin, limits))?;
                 if finer.is_empty() {
                     let model = Model::Gltf { gltf, rest };
                     let same = Self { points, triangles, model, net, pieces, point_of, origin };
                     return Ok((same, Refinement::default()));
                 }
-                let (subject, done) = finer_scene((*gltf, &rest), (points, pieces), &point_of, &finer)?;
+                let (subject, done) =
+                    finer_scene((*gltf, &rest), (points, pieces), &point_of, (&finer, how))?;
                 Ok((Self { origin, ..subject }, done))
             }
+        }
+    }
+}
+
+/// How a subject becomes finer.
+#[derive(Clone, Copy)]
+enum Finer<'a> {
+    /// For each point the longest an edge there may be.
+    Halved(&'a [f32]),
+    Cut(&'a [Cut]),
+}
+
+impl Finer<'_> {
+    fn halves(self) -> bool {
+        matches!(self, Self::Halved(_))
+    }
+
+    fn of_mesh(
+        self,
+        mesh: &Mesh,
+        (places, place_of): (&[[f32; 3]], &[u32]),
+        limits: SubdivideLimits,
+    ) -> Result<MeshSubdivision, SubdivideError> {
+        match self {
+            Self::Halved(longest) => mesh.subdivide(&Wanted { places, place_of, longest }, limits),
+            Self::Cut(cuts) => mesh.cut(place_of, places.len(), cuts, limits),
+        }
+    }
+
+    fn of_triangles(
+        self,
+        triangles: &[[u32; 3]],
+        (places, place_of): (&[[f32; 3]], &[u32]),
+        limits: SubdivideLimits,
+    ) -> Result<Subdivision, SubdivideError> {
+        match self {
+            Self::Halved(longest) => subdivide(triangles, &Wanted { places, place_of, longest }, limits),
+            Self::Cut(cuts) => cut_edges(triangles, place_of, places.len(), cuts, limits),
         }
     }
 }
@@ -110,8 +198,18 @@ fn finer_mesh(
     limits: &Limits,
 ) -> Result<(Mesh, Option<Box<Obj>>), AssetError> {
     let Some(obj) = obj else { return Ok((finer.apply(mesh), None)) };
-    let own = Box::new(obj.refined(finer, limits)?);
+    // Normals that it got when it became finer before are not the file's.
+    let is_smooth = obj.mesh.normals.is_empty() && !mesh.normals.is_empty();
+    let bare = is_smooth.then(|| without_normals(finer));
+    let own = Box::new(obj.refined(bare.as_ref().unwrap_or(finer), limits)?);
     Ok((if *mesh == obj.mesh { own.mesh.clone() } else { finer.apply(mesh) }, Some(own)))
+}
+
+fn without_normals(finer: &MeshSubdivision) -> MeshSubdivision {
+    let mut out = finer.clone();
+    (out.normals, out.normal_shares) = (Vec::new(), Vec::new());
+    out.corners.iter_mut().for_each(|corner| corner.normal = None);
+    out
 }
 
 /// Normals of a mesh that has none, at its finer positions: those of the coarse one between them. From the finer faces themselves they would
@@ -119,7 +217,7 @@ fn finer_mesh(
 fn smooth(mesh: &Mesh, finer: &MeshSubdivision) -> Option<Vec<[f32; 3]>> {
     let triangles = mesh.triangles().ok().filter(|_| mesh.normals.is_empty())?;
     let coarse = smooth_normals(&mesh.positions, &triangles);
-    let mut normals = Subdivision::middles(&coarse, &finer.positions);
+    let mut normals = Subdivision::between(&coarse, &finer.positions, &finer.position_shares);
     for normal in &mut normals {
         let length = normal.iter().map(|c| c * c).sum::<f32>().sqrt();
         if length.is_nan() || length < SIDELESS {
@@ -130,32 +228,38 @@ fn smooth(mesh: &Mesh, finer: &MeshSubdivision) -> Option<Vec<[f32; 3]>> {
     Some(normals)
 }
 
-/// A scene with finer meshes. New vertices share a point where their parents do, even if rounding has put them apart: no
-/// seam can open.
-fn finer_scene(
-    (mut gltf, rest): (Gltf, &Rest),
-    (mut points, mut pieces): (Vec<[f32; 3]>, Pieces),
-    point_of: &[u32],
-    finer: &Subdivision,
-) -> Result<(Subject, Refinement), JobError> {
-    let refined = gltf.refine(rest, finer)?;
-    let old = points.len();
-    points.resize(old + finer.place_parents.len(), [f32::NAN; 3]);
-    let mut of_vertices = Vec::with_capacity(refined.vertex_of.len());
-    for (p, &vertex) in refined.rest.positions.iter().zip(&refined.vertex_of) {
-        let vertex = vertex as usize;
-        let place = point_of.get(vertex).or_else(|| finer.place_of.get(vertex - point_of.len()));
-        let place = place.copied().unwrap_or_default();
-        of_vertices.push(place);
-        if let Some(point) = points.get_mut(place as usize).filter(|point| point[0].is_nan()) {
-            *point = *p;
+/// Points behind the old ones for the new places of positions. New positions share a point where their parents do, even if
+/// rounding has put them apart: no seam can open. Where they fall on another point they do not share it: two borders that
+/// lie on each other stay two.
+fn with_new(mut points: Vec<[f32; 3]>, point_of: Vec<u32>, positions: &[[f32; 3]]) -> Weld {
+    for (p, &place) in positions.iter().zip(&point_of) {
+        let place = place as usize;
+        if place >= points.len() {
+            points.resize(place + 1, [f32::NAN; 3]);
+        }
+        if points[place][0].is_nan() {
+            points[place] = *p;
         }
     }
-    // A new point may fall on another one, as where one side of a seam had a vertex that the other did not.
-    let weld = if pieces.is_empty() { Weld::new(&points) } else { weld(&points, &mut pieces, finer) };
-    let point_of: Vec<u32> = of_vertices.iter().map(|&place| weld.point_of[place as usize]).collect();
-    let triangles = &refined.rest.triangles;
-    let triangles = triangles.iter().map(|t| t.map(|v| point_of[v as usize])).collect();
+    Weld { points, point_of }
+}
+
+/// A scene with finer meshes.
+fn finer_scene(
+    (mut gltf, rest): (Gltf, &Rest),
+    (points, pieces): (Vec<[f32; 3]>, Pieces),
+    point_of: &[u32],
+    (finer, how): (&Subdivision, Finer<'_>),
+) -> Result<(Subject, Refinement), JobError> {
+    let refined = gltf.refine(rest, finer)?;
+    let first = points.len() as u32;
+    let pieces = pieces.grown(finer.place_parents.iter().copied().zip(first..), how.halves());
+    let place = |&vertex: &u32| {
+        let new = || finer.place_of.get(vertex as usize - point_of.len());
+        point_of.get(vertex as usize).or_else(new).copied().unwrap_or_default()
+    };
+    let weld = with_new(points, refined.vertex_of.iter().map(place).collect(), &refined.rest.positions);
+    let triangles = weld.triangles(&refined.rest.triangles);
     let meshes = refined.meshes.iter().map(|mesh| told(&gltf, mesh)).collect();
     let subject = Subject {
         points: weld.points,
@@ -164,65 +268,9 @@ fn finer_scene(
         model: Model::Gltf { gltf: Box::new(gltf), rest: Box::new(refined.rest) },
         net: None,
         pieces,
-        point_of,
+        point_of: weld.point_of,
     };
     Ok((subject, Refinement { meshes, warnings: Vec::new() }))
-}
-
-/// The places of points in pieces, the first ones old. The new ones join the pieces of their parents and their sides.
-fn weld(points: &[[f32; 3]], pieces: &mut Pieces, finer: &Subdivision) -> Weld {
-    let old = points.len().saturating_sub(finer.place_parents.len());
-    let new = || finer.place_parents.iter().copied().zip(old as u32..);
-    for ([a, b], _) in new() {
-        let piece = pieces.of(a).min(pieces.of(b));
-        pieces.of_points.push(piece);
-    }
-    pieces.refine_sides(new());
-    // Halved once for both its sides, an edge has no two middles that were to be one.
-    let number = |(point, &piece): (u32, &u32)| if pieces.is_distinct(piece) { point } else { ANY };
-    let own: Vec<u32> = (0..).zip(&pieces.of_points).map(number).collect();
-    let weld = Weld::in_pieces(points, &pieces.of_points, &own);
-    let list = std::mem::take(&mut pieces.list);
-    *pieces = Pieces::of_model(list, &pieces.of_points, &weld.point_of, weld.points.len());
-    weld
-}
-
-/// The pieces of a mesh that is made finer.
-struct Split {
-    pieces: Pieces,
-    /// For each position its piece; empty without pieces.
-    of_positions: Vec<u32>,
-    parents: Vec<[u32; 2]>,
-}
-
-impl Split {
-    fn of(pieces: Pieces, point_of: &[u32], parents: &[[u32; 2]]) -> Self {
-        if pieces.is_empty() {
-            return Self { pieces, of_positions: Vec::new(), parents: Vec::new() };
-        }
-        let mut of_positions: Vec<u32> = point_of.iter().map(|&point| pieces.of(point)).collect();
-        let of = |list: &[u32], i: u32| list.get(i as usize).copied().unwrap_or(Pieces::NONE);
-        for &[a, b] in parents {
-            of_positions.push(of(&of_positions, a).min(of(&of_positions, b)));
-        }
-        Self { pieces, of_positions, parents: parents.to_vec() }
-    }
-
-    /// The subject of the finer model, whose old points have the numbers they had.
-    fn subject(self, model: Model) -> Result<Subject, JobError> {
-        let Self { pieces, of_positions, parents } = self;
-        let bare = pieces.list.iter().map(|piece| SubjectPiece { sides: None, ..piece.clone() }).collect();
-        let mut subject = Subject::with_pieces(model, bare, &of_positions, &[])?;
-        for (new, old) in subject.pieces.list.iter_mut().zip(pieces.list) {
-            new.sides = old.sides;
-        }
-        let point = |position: usize| subject.point_of.get(position).copied().unwrap_or_default();
-        let first = of_positions.len() - parents.len();
-        let new = parents.iter().zip(first..);
-        let new = new.map(|(ends, middle)| (ends.map(|end| point(end as usize)), point(middle)));
-        subject.pieces.refine_sides(new);
-        Ok(subject)
-    }
 }
 
 fn told_part(before: &MeshPart, after: &MeshPart) -> FinerMesh {

@@ -196,3 +196,86 @@ fn real_files_become_finer_and_lose_nothing() {
         assert!(still.rest().unwrap().positions.len() >= mesh.positions.len());
     }
 }
+
+/// The uses of edges between points: each border edge, which is used once.
+fn borders(subject: &Subject) -> Vec<[u32; 2]> {
+    let edges = || subject.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let all: std::collections::HashSet<[u32; 2]> = edges().collect();
+    edges().filter(|&[a, b]| !all.contains(&[b, a])).collect()
+}
+
+#[test]
+fn edges_are_cut_where_it_is_said() {
+    let mesh = grid([2.0, 2.0], [2, 2], [0.0, 1.0, 0.0]).unwrap();
+    let glb = written(Subject::from_mesh("sheet", mesh.clone()).unwrap(), &preset(WAVE), &When::At(0.0));
+    let glb = Gltf::from_slice(&glb.to_glb().unwrap(), "sheet.glb", &Limits::default()).unwrap();
+    for subject in [Subject::from_mesh("sheet", mesh).unwrap(), Subject::from_gltf(glb).unwrap()] {
+        let before = borders(&subject);
+        let cuts: Vec<Cut> =
+            before.iter().take(3).map(|&ends| Cut { ends, shares: vec![0.125, 0.7] }).collect();
+        let points = subject.points.clone();
+        let (finer, places, done) = subject.cut(&cuts, &Limits::default()).unwrap();
+        assert!(done.meshes.len() == 1 && done.warnings.is_empty());
+        assert_eq!(finer.points[..points.len()], points[..]);
+        assert_eq!(finer.points.len(), points.len() + 6);
+        let after = borders(&finer);
+        for (Cut { ends: [p, q], shares }, new) in cuts.iter().zip(&places) {
+            for pair in [&[*p][..], new, &[*q]].concat().windows(2) {
+                assert!(after.contains(&[pair[0], pair[1]]), "a part of the border");
+            }
+            for (&point, &share) in new.iter().zip(shares) {
+                let (a, b) = (points[*p as usize], points[*q as usize]);
+                let mix = |k: usize| f64::from(a[k]) * (1.0 - share) + f64::from(b[k]) * share;
+                assert_eq!(finer.points[point as usize], [0, 1, 2].map(|k| mix(k) as f32));
+            }
+        }
+        assert_eq!(after.len(), before.len() + 6, "no other border");
+    }
+}
+
+#[test]
+fn borders_that_lie_on_each_other_stay_two_and_seams_stay_one() {
+    // Two sheets whose borders cross in their middles; they are joined in points of their own.
+    let text = b"v 0 0 0\nv 2 0 0\nv 0 2 0\nv 1 -1 0\nv 1 1 0\nv 3 0 0\nv 0 0 0\nf 1 2 3\nf 4 6 5\nf 2 7 4\n";
+    let obj = Obj::from_slice(text, "two.obj", &Limits::default()).unwrap();
+    let mesh = obj.mesh.clone();
+    let subject = Subject::new(Model::Mesh {
+        parts: vec![MeshPart::whole("two", &mesh, false)],
+        mesh,
+        obj: Some(Box::new(obj)),
+    })
+    .unwrap();
+    assert_eq!((subject.points.len(), subject.point_of[6]), (6, 0));
+    let cuts = [[0, 1], [4, 3]].map(|ends| Cut { ends, shares: vec![0.5] });
+    let (finer, places, _) = subject.cut(&cuts, &Limits::default()).unwrap();
+    assert_eq!(places, [[6], [7]]);
+    assert_eq!(finer.points[6], finer.points[7]);
+    // Both sides of the first edge have positions of their own, and one point.
+    assert_eq!(finer.point_of[7..], [6, 6, 7]);
+    let Model::Mesh { mesh, obj: Some(obj), .. } = &finer.model else { panic!() };
+    assert!(mesh.positions.len() == 10 && obj.mesh.positions == mesh.positions);
+    // Halving does not join them either.
+    let (again, _) = fine(finer.clone(), 0.9);
+    assert_eq!(again.points[..8], finer.points[..]);
+}
+
+#[test]
+fn what_cannot_be_cut_is_told() {
+    let subject = Subject::from_mesh("sheet", grid([1.0; 2], [2, 2], [0.0, 1.0, 0.0]).unwrap()).unwrap();
+    let cut = |ends, shares: &[f64]| [Cut { ends, shares: shares.to_vec() }];
+    let limits = Limits::default();
+    for bad in [cut([0, 8], &[0.5]), cut([0, 1], &[1.0]), cut([0, 9], &[0.5])] {
+        assert!(matches!(subject.clone().cut(&bad, &limits), Err(JobError::Refine(_))));
+    }
+    let few = Limits { vertices: 10, ..limits };
+    let error = subject.clone().cut(&cut([0, 1], &[0.1, 0.2]), &few).unwrap_err();
+    assert_eq!(error.fault(), Fault::Limit);
+    let (same, places, _) = subject.clone().cut(&[], &limits).unwrap();
+    assert!(same.points == subject.points && places.is_empty());
+    let text = "Deform(object: Patch(degree: (1, 1), points: [[(0,0,0), (1,0,0)], [(0,0,1), (1,0,1)]], tessellation: (4, 4),
+        deform: ControlPoints), wires: [Wire(curve: Polyline(points: [(0,0,0), (1,0,0)]))])";
+    let object = preset(text).object.unwrap();
+    let net = Subject::from_object(&object, Path::new(""), "net", &limits).unwrap();
+    let (same, places, done) = net.clone().cut(&cut([0, 1], &[0.5]), &limits).unwrap();
+    assert_eq!((same.points, places, done.warnings.len()), (net.points, vec![vec![]], 1));
+}

@@ -1,10 +1,13 @@
 //! Seams of the effects that have any, on the points of a subject.
 
+use wirework_asset::Limits;
 use wirework_preset::{Action, Effect, Named, PresetErrorKind, Stitching};
 use wirework_stitch::{Order, Seams, Stitch, StitchError, Surfaces, seams};
+use wirework_surface::Cut;
 
 use crate::evaluate::bounds_frame;
 use crate::fit::Fit;
+use crate::refine::Refinement;
 use crate::unfit::unfit;
 use crate::{Evaluation, JobError, Subject};
 
@@ -25,6 +28,62 @@ pub(crate) fn sew(subject: &Subject, effects: &[Effect]) -> Result<Sewn, JobErro
         });
     }
     Ok(sewn)
+}
+
+/// The same, with borders cut where seams are to be welded. Returns what was done to the subject besides.
+///
+/// # Errors
+///
+/// Also of [`Subject::cut`].
+pub(crate) fn sew_welded(
+    mut subject: Subject,
+    effects: &[Effect],
+    limits: &Limits,
+) -> Result<(Subject, Sewn, Refinement), JobError> {
+    let mut sewn = sew(&subject, effects)?;
+    let mut done = Refinement::default();
+    for index in 0..sewn.len() {
+        for part in 0..sewn[index].len() {
+            let cuts: Vec<Cut> = sewn[index][part]
+                .cuts()
+                .into_iter()
+                .map(|wirework_stitch::Cut { ends, shares }| Cut { ends, shares })
+                .collect();
+            if cuts.is_empty() {
+                continue;
+            }
+            let (cut, new, refinement) = subject.cut(&cuts, limits)?;
+            subject = cut;
+            done.warnings.extend(refinement.warnings);
+            done.take(refinement.meshes);
+            resew(&subject, effects, &mut sewn, (index, part), &new)?;
+        }
+    }
+    Ok((subject, sewn, done))
+}
+
+/// Lays all seams on a subject of which borders have been cut for one of them.
+fn resew(
+    subject: &Subject,
+    effects: &[Effect],
+    sewn: &mut Sewn,
+    cut: (usize, usize),
+    new: &[Vec<u32>],
+) -> Result<(), JobError> {
+    for (index, effect) in effects.iter().enumerate() {
+        let Some(stitching) = stitching(subject, effect) else { continue };
+        let base = base(subject, effects, index, sewn)?;
+        let (piece_of, sides) = (piece_of(subject, &stitching)?, sides(subject, &stitching)?);
+        let surfaces =
+            Surfaces { positions: &base, triangles: &subject.triangles, piece_of: &piece_of, sides: &sides };
+        let fail = fault(effect);
+        for (part, seams) in sewn[index].iter_mut().enumerate() {
+            // The others only have to know of the new points.
+            let new = if (index, part) == cut { new } else { &[] };
+            *seams = seams.cut(&surfaces, new).map_err(|error| fail(&error, part))?;
+        }
+    }
+    Ok(())
 }
 
 /// A stitch in metres.

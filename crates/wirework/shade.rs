@@ -8,6 +8,7 @@ use wirework_surface::{
     Corner, Mesh, MeshError, Normals, NormalsBuffer, NormalsError, Tangents, TangentsBuffer,
 };
 
+use crate::joints::Joints;
 use crate::weld::spread;
 
 /// Vertices as a file has them, at rest and at the present moment.
@@ -16,6 +17,7 @@ pub(crate) struct Vertices {
     rest: Vec<[f32; 3]>,
     point_of: Vec<u32>,
     shading: Option<Shading>,
+    joints: Joints,
     /// Present positions.
     pub(crate) positions: Vec<[f32; 3]>,
 }
@@ -48,7 +50,7 @@ impl Vertices {
     /// Vertices without normals; `point_of` has the point of each.
     pub(crate) fn new(rest: Vec<[f32; 3]>, point_of: Vec<u32>) -> Self {
         let positions = rest.clone();
-        Self { rest, point_of, shading: None, positions }
+        Self { rest, point_of, shading: None, joints: Joints::default(), positions }
     }
 
     /// Gives each vertex a normal, which follows the triangles round it.
@@ -113,10 +115,14 @@ impl Vertices {
         spread(&self.point_of, points, now, &self.rest, &mut self.positions);
     }
 
-    /// Lets normals and tangents follow the positions.
-    pub(crate) fn shade(&mut self) -> Result<(), NormalsError> {
+    /// Lets normals and tangents follow the positions; where `joints` of points come together, their normals do.
+    pub(crate) fn shade<'a>(
+        &mut self,
+        joints: impl Iterator<Item = (&'a [u32], f32)>,
+    ) -> Result<(), NormalsError> {
         let Some(Shading { model, buffer, now, tangents }) = &mut self.shading else { return Ok(()) };
         model.update_into(&self.positions, buffer, now)?;
+        self.joints.join(joints, &self.point_of, now);
         match tangents {
             Some(tangents) => {
                 let Tangential { model, buffer, now: out } = tangents;
@@ -231,7 +237,7 @@ mod tests {
         let top = now.iter().position(|p| *p == [0.0, 1.0, 0.0]).unwrap();
         now[top][1] = 2.0;
         vertices.place(&mesh.positions, &now);
-        vertices.shade().unwrap();
+        vertices.shade(std::iter::empty()).unwrap();
         let corner =
             |p: [f32; 3]| out.corners.iter().find(|c| mesh.positions[c.position as usize] == p).unwrap();
         let normal = vertices.normals().unwrap()[corner([1.0, -1.0, 0.0]).normal.unwrap() as usize];

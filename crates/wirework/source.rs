@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use wirework_asset::{Limits, printable, same_file};
-use wirework_preset::{Action, Piece, Preset};
+use wirework_preset::Preset;
 
 use crate::mask::mask_files;
 use crate::subject::{Model, Subject};
@@ -21,25 +21,9 @@ pub(crate) struct Source<'a> {
 impl<'a> Source<'a> {
     /// Reads the input, or else makes the preset's own object.
     pub(crate) fn subject(&self) -> Result<Subject, JobError> {
-        let base = match self.input {
-            Some(input) => Some(Subject::read(input, self.limits)?),
-            None => Subject::from_preset(self.preset, self.preset_path, self.limits)?,
-        };
-        let pieces = self.pieces();
-        if pieces.is_empty() || (base.is_none() && pieces.iter().any(|piece| piece.object.is_none())) {
-            return base.ok_or(JobError::NoObject);
-        }
-        let pieces: Vec<_> = pieces.iter().map(|piece| (&piece.name, piece.object.as_ref())).collect();
-        Subject::from_pieces(base, &pieces, self.folder(), self.limits)
-    }
-
-    /// The pieces that the first stitch names.
-    fn pieces(&self) -> &'a [Piece] {
-        let stitch = self.preset.effects.iter().find_map(|effect| match &effect.action {
-            Action::Stitch(stitching) => Some(stitching),
-            _ => None,
-        });
-        stitch.map_or(&[], |stitching| &stitching.pieces)
+        let input = self.input.map(|input| Subject::read(input, self.limits)).transpose()?;
+        let subject = Subject::for_preset(input, self.preset, self.preset_path, self.limits)?;
+        subject.ok_or(JobError::NoObject)
     }
 
     /// The folder that names of files in the preset are relative to.
@@ -56,7 +40,7 @@ impl<'a> Source<'a> {
     /// The files that the preset names as pieces.
     fn piece_files(&self) -> impl Iterator<Item = PathBuf> {
         let folder = self.folder();
-        self.pieces().iter().filter_map(move |piece| piece.object.as_ref()?.file(folder))
+        self.preset.pieces().iter().filter_map(move |piece| piece.object.as_ref()?.file(folder))
     }
 
     /// Every file that is read but those that a document refers to: [`parts`] has these.

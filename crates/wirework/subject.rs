@@ -112,6 +112,31 @@ impl Subject {
         }
     }
 
+    /// What a preset works on: `input`, or else the object that the preset brings along, and the pieces of its first stitch. None
+    /// where an input is missing. The node of its object is called as the preset's file is.
+    ///
+    /// # Errors
+    ///
+    /// As [`Subject::from_object`] and [`Subject::from_pieces`].
+    pub fn for_preset(
+        input: Option<Self>,
+        preset: &Preset,
+        preset_path: &Path,
+        limits: &Limits,
+    ) -> Result<Option<Self>, JobError> {
+        let base = match input {
+            Some(input) => Some(input),
+            None => Self::from_preset(preset, preset_path, limits)?,
+        };
+        let pieces = preset.pieces();
+        if pieces.is_empty() || (base.is_none() && pieces.iter().any(|piece| piece.object.is_none())) {
+            return Ok(base);
+        }
+        let pieces: Vec<_> = pieces.iter().map(|piece| (&piece.name, piece.object.as_ref())).collect();
+        let folder = preset_path.parent().unwrap_or(Path::new(""));
+        Self::from_pieces(base, &pieces, folder, limits).map(Some)
+    }
+
     /// The object that a preset brings along, if it does; its node is called as the preset's file is.
     ///
     /// # Errors

@@ -31,7 +31,15 @@ fn every_preset_runs_as_it_stands() {
         let clip = document.animations().next().unwrap_or_else(|| panic!("{preset}: a clip"));
         assert_eq!(clip.name(), Some("wirework"));
         let name = Path::new(preset).file_stem().unwrap().to_str();
-        assert_eq!(document.nodes().next().unwrap().name(), name, "a node is called as its preset");
+        let first = document.nodes().next().unwrap();
+        if preset.contains("stitch") {
+            // Its nodes are called as its pieces.
+            let table = place.run_with(["inspect", preset], b"").expect(0).out();
+            let line = format!("piece 0      \"{}\"", first.name().unwrap());
+            assert!(table.contains(&line), "{line} in\n{table}");
+        } else {
+            assert_eq!(first.name(), name, "a node is called as its preset");
+        }
         place.run_with(["apply", preset, "-o", "out.obj", "--at", "1"], b"").expect(0);
     }
 }
@@ -39,7 +47,7 @@ fn every_preset_runs_as_it_stands() {
 #[test]
 fn what_new_prints_is_good_and_runs() {
     let place = Place::new();
-    for effect in ["deform", "wrinkle", "Wrinkle"] {
+    for effect in ["deform", "wrinkle", "stitch", "Wrinkle"] {
         let printed = place.run(&format!("new {effect}")).expect(0);
         assert_eq!(printed.err(), "");
         let checked = place.run_with(["check", "-", "--strict"], printed.out().as_bytes()).expect(0);
@@ -96,6 +104,57 @@ fn inspect_reads_presets() {
     let facts: Value = gltf::json::deserialize::from_str(&done.out()).unwrap();
     assert_eq!(facts["effects"][0]["wires"].as_u64(), Some(1));
     assert_eq!(facts["animated"].as_bool(), Some(true));
+}
+
+#[test]
+fn of_stitches_inspect_tells_pieces_and_seams() {
+    let place = Place::new();
+    let printed = place.run("new stitch").expect(0).out();
+    place.write("new.ron", &printed);
+    let table = place.run("inspect new.ron").expect(0).out();
+    for line in [
+        "object       none: it brings pieces",
+        "effect 0     Stitch: 2 pieces, 1 seam",
+        "piece 1      \"back\": Patch",
+        "seam 0       \"front\" and \"back\", 1 tear",
+    ] {
+        assert!(table.lines().any(|own| own == line), "{line} in\n{table}");
+    }
+    place.write(
+        "nodes.ron",
+        "Stitch(seams: [Seam(a: Edge(piece: \"x\", side: UMin), b: Edge(piece: \"y\", side: UMax))])",
+    );
+    let table = place.run("inspect nodes.ron").expect(0).out();
+    assert!(table.contains("it needs an input") && table.contains("\"x\": the node of that name"), "{table}");
+}
+
+#[test]
+fn apply_says_where_welds_made_meshes_finer() {
+    let place = Place::new();
+    let sleeve = "presets/stitch/sleeve.ron";
+    let sleeve = Path::new(env!("CARGO_MANIFEST_DIR")).join(sleeve);
+    let told = place.run_with(["apply", sleeve.to_str().unwrap(), "-o", "out.glb"], b"").expect(0).err();
+    assert!(told.contains("along its seams") && !told.contains("folds"), "{told}");
+}
+
+#[test]
+fn stitches_are_checked_on_their_pieces() {
+    let place = Place::new();
+    let printed = place.run("new stitch").expect(0).out();
+    place.write("off.ron", printed.replace("side: UMin)", "from: (9, 9, 9), to: (0.2, 1, 0))"));
+    let err = place.run("check off.ron").expect(4).err();
+    assert!(err.contains("no boundary runs here") && err.contains("at seams[0].b.from"), "{err}");
+    place.write("new.ron", printed);
+    // The pieces stand beside a model that has no nodes of their names.
+    place.run("apply lift.ron -o lift.glb").expect(0);
+    place.run("check new.ron --on lift.glb").expect(0);
+    // They are its nodes where it has them.
+    place.run("apply new.ron -o new.glb").expect(0);
+    let nodes = "Stitch(seams: [Seam(a: Edge(piece: \"front\", loop: (-0.2, 1, 0)), b: Edge(piece: \"back\", loop: (0.2, 1, 0)))])";
+    place.write("nodes.ron", nodes);
+    place.run("check nodes.ron --on new.glb").expect(0);
+    let err = place.run("check nodes.ron --on lift.glb").expect(4).err();
+    assert!(err.contains("there is no piece \"front\""), "{err}");
 }
 
 #[test]

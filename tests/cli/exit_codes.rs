@@ -88,7 +88,6 @@ fn every_failure_has_its_exit_code() {
         (2, "apply lift.ron bad.obj -o out.glb --report ./bad.obj"),
         (2, "apply lift.ron -o out.glb --clip nonsense"),
         (2, "apply lift.ron -o out.obj --at 0 --clip nonsense"),
-        (2, "new stitch"),
         (2, "new ik"),
         (2, "new wrinkel"),
         (2, "check"),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use wirework_asset::{ErrorClass, Limits, Obj};
-use wirework_surface::{SubdivideLimits, Wanted};
+use wirework_surface::{Cut, SubdivideLimits, Wanted};
 
 const ANY: SubdivideLimits = SubdivideLimits { vertices: 1 << 20, triangles: 1 << 21 };
 
@@ -87,4 +87,28 @@ fn real_files_keep_what_they_say() {
         assert_eq!(obj.material_names(), found.material_names());
         assert_eq!(obj.group_names(), found.group_names());
     }
+}
+
+#[test]
+fn edges_cut_elsewhere_take_texture_coordinates_and_colours_along() {
+    let obj = read(
+        b"v 0 0 0 1 0 0\nv 2 0 0 0 0 1\nv 2 2 0 0 1 0\nv 0 2 0 1 1 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n\
+        f 1/1/1 2/2/1 3/3/1 4/4/1\n",
+    );
+    let cuts = [Cut { ends: [1, 0], shares: vec![0.25, 0.75] }, Cut { ends: [2, 3], shares: vec![0.125] }];
+    let finer = obj.mesh.cut(&[0, 1, 2, 3], 4, &cuts, ANY).unwrap();
+    let found = obj.refined(&finer, &Limits::default()).unwrap();
+    let text = text(&found);
+    for line in [
+        "v 1.5 0 0 0.25 0 0.75",
+        "v 0.5 0 0 0.75 0 0.25",
+        "v 1.75 2 0 0.125 1 0.125",
+        "vt 0.75 0",
+        "vt 0.25 0",
+        "vt 0.875 1",
+    ] {
+        assert!(text.lines().any(|own| own == line), "{line} in\n{text}");
+    }
+    assert_eq!(found.mesh.face_ends.len(), 2 + 3);
+    assert!(found.mesh.normals.len() == 1 && found.mesh.corners == finer.corners);
 }

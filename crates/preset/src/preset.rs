@@ -12,7 +12,7 @@ use crate::limits::Limits;
 use crate::object::{Object, object};
 use crate::read::{Fields, Reader, Within, found};
 use crate::scope::{Mask, Only, Units, scope, units};
-use crate::stitch::{Stitching, stitch};
+use crate::stitch::{Piece, Stitching, stitch};
 use crate::tree::{Body, Node};
 use crate::typed::{Script, Typed};
 use crate::wrinkle::wrinkle;
@@ -39,6 +39,17 @@ pub struct Preset {
     pub follows_clip: bool,
     /// Whether a clip of what it is applied to moves it.
     pub driven: bool,
+}
+
+impl Preset {
+    /// The pieces that its first stitch names; without one there are none.
+    pub fn pieces(&self) -> &[Piece] {
+        let stitch = self.effects.iter().find_map(|effect| match &effect.action {
+            Action::Stitch(stitching) => Some(stitching),
+            _ => None,
+        });
+        stitch.map_or(&[], |stitching| &stitching.pieces)
+    }
 }
 
 /// One effect: of a preset, where all its values are good, or of a program's own.

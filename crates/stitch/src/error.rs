@@ -68,7 +68,8 @@ pub enum EdgeFault {
     NoPiece(usize),
     /// The piece has no sides that could be named.
     #[error(
-        "only patches and grids have the sides `UMin`, `UMax`, `VMin`, `VMax`; name points of the border instead"
+        "only patches and grids of a preset have the sides `UMin`, `UMax`, `VMin`, `VMax`, not nodes of a model; name points of the \
+         border instead"
     )]
     NoSides,
     /// The piece has no faces, or is closed.

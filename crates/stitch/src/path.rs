@@ -6,7 +6,7 @@ use crate::settings::{Edge, Run, Side};
 use crate::surfaces::{Piece, Surfaces, wide};
 
 /// A point may be so far off a border, in parts of the piece's size, to name a vertex of it; beyond, something else was meant.
-const NEAR: f32 = 0.05;
+const NEAR: f32 = 0.1;
 
 /// Vertices of a border in a row.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,5 +1,7 @@
 //! Seams as wires: one along each edge, both to the common seam.
 
+use glam::DVec3;
+use rayon::prelude::*;
 use wirework_core::{Blend, Locator, Wire};
 use wirework_surface::Near;
 
@@ -12,7 +14,7 @@ use crate::settings::{Continuity, SeamSide, Stitch};
 use crate::side::Side;
 use crate::surfaces::{Pieces, Surfaces};
 use crate::tangent::{corner_normals, flatten, twists};
-use crate::target::{Moment, Sides, hold, meet, seams_alone, tear};
+use crate::target::{Moment, Sides, Target, hold, meet, seams_alone, tear};
 use crate::turn::rotations;
 
 /// Seams laid on surfaces. Which vertices their edges have is settled once; where these are may change.
@@ -193,37 +195,49 @@ impl Seams {
         let laid = self.sides.iter().flatten().skip(wires.len());
         wires.extend(laid.map(|side| Wire::new(side.reference.clone())));
         wires.truncate(2 * self.sides.len());
-        self.pins.clear();
-        for (number, wire) in wires.iter_mut().enumerate() {
+        wires.par_iter_mut().enumerate().for_each(|(number, wire)| {
             let (index, own) = (number / 2, number % 2);
-            let (seam, side, target) =
-                (&self.settings.seams[index], &self.sides[index][own], &targets[index][own]);
-            if wire.reference != side.reference {
-                wire.reference = side.reference.clone();
-            }
-            wire.pose.clear();
-            wire.pose.extend(target.goal.iter().map(|p| p.as_vec3().to_array()));
-            wire.density = seam.density.clone();
-            wire.radius = seam.radius.at(seconds);
-            wire.scale = seam.scale.at(seconds);
-            wire.amplitude = seam.closure.at(seconds);
-            if let Ok(pose) = wire.reference.posed(wire.pose.clone()) {
-                let (smooth, torn) = (seam.continuity == Continuity::Tangent, !seam.tears.is_empty());
-                let held = rotations(side, &pose, f64::from(wire.radius)).filter(|_| torn || !smooth);
-                if held.is_some() || torn || !wire.locators.is_empty() {
-                    let values = held.unwrap_or_else(|| vec![1.0; side.own.len()]);
-                    along(wire, side, values, |locator, value| locator.rotation = Some(value));
-                }
-                if smooth {
-                    let bias = moments[index].bias;
-                    let values = twists(&self.sides[index], own, bias, &normals[index], target, &pose);
-                    along(wire, side, values, |locator, value| locator.twist = Some(value));
-                }
-            }
+            self.pose((index, own), seconds, &targets[index][own], &normals[index], wire);
+        });
+        self.pins.clear();
+        for ((number, wire), side) in (0..).zip(&*wires).zip(self.sides.iter().flatten()) {
             if wire.amplitude == 1.0 {
                 let points = side.track.path.vertices.iter().zip(&wire.pose);
-                self.pins.extend(points.map(|(&point, &goal)| Pin { point, wire: number as u32, goal }));
+                self.pins.extend(points.map(|(&point, &goal)| Pin { point, wire: number, goal }));
             }
+        }
+    }
+
+    /// Brings one wire to a moment.
+    fn pose(
+        &self,
+        (index, own): (usize, usize),
+        seconds: f64,
+        target: &Target,
+        normals: &[Option<DVec3>; 2],
+        wire: &mut Wire,
+    ) {
+        let (seam, side) = (&self.settings.seams[index], &self.sides[index][own]);
+        if wire.reference != side.reference {
+            wire.reference = side.reference.clone();
+        }
+        wire.pose.clear();
+        wire.pose.extend(target.goal.iter().map(|p| p.as_vec3().to_array()));
+        wire.density = seam.density.clone();
+        wire.radius = seam.radius.at(seconds);
+        wire.scale = seam.scale.at(seconds);
+        wire.amplitude = seam.closure.at(seconds);
+        let Ok(pose) = wire.reference.posed(wire.pose.clone()) else { return };
+        let (smooth, torn) = (seam.continuity == Continuity::Tangent, !seam.tears.is_empty());
+        let held = rotations(side, &pose, f64::from(wire.radius)).filter(|_| torn || !smooth);
+        if held.is_some() || torn || !wire.locators.is_empty() {
+            let values = held.unwrap_or_else(|| vec![1.0; side.own.len()]);
+            along(wire, side, values, |locator, value| locator.rotation = Some(value));
+        }
+        if smooth {
+            let bias = f64::from(seam.bias.at(seconds));
+            let values = twists(&self.sides[index], own, bias, normals, target, &pose);
+            along(wire, side, values, |locator, value| locator.twist = Some(value));
         }
     }
 

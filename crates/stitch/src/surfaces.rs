@@ -58,8 +58,10 @@ impl Surfaces<'_> {
             None => self.piece_of.is_empty() && piece == 0,
         };
         let points: Vec<u32> = (0..self.positions.len() as u32).filter(|&point| is_own(point)).collect();
-        let number: BTreeMap<u32, u32> = points.iter().copied().zip(0..).collect();
-        let own = |t: &[u32; 3]| Some([*number.get(&t[0])?, *number.get(&t[1])?, *number.get(&t[2])?]);
+        let mut numbers = vec![u32::MAX; self.positions.len()];
+        points.iter().zip(0..).for_each(|(&point, number)| numbers[point as usize] = number);
+        let number = |point: u32| numbers.get(point as usize).copied().filter(|number| *number != u32::MAX);
+        let own = |t: &[u32; 3]| Some([number(t[0])?, number(t[1])?, number(t[2])?]);
         let triangles: Vec<[u32; 3]> = self.triangles.iter().filter_map(own).collect();
         let mut borders = borders(&triangles);
         for border in &mut borders {

@@ -48,7 +48,8 @@ pub use patch::{Patch, PatchError, Tessellation};
 pub use primitives::{MAX_VERTICES, PrimitiveError, cuboid, grid, sphere, tube};
 pub use smooth::smooth_normals;
 pub use subdivide::{
-    MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, subdivide, subdivide_vertices,
+    Cut, MeshSubdivision, SubdivideError, SubdivideLimits, Subdivision, Wanted, cut_edges, subdivide,
+    subdivide_vertices,
 };
 pub use tangents::{Tangents, TangentsBuffer};
 pub use terrain::{Step, Terrain};

@@ -85,7 +85,8 @@ impl<'a> Show<'a> {
             let now = if before { motion.points } else { &motion.now };
             self.vertices.place(motion.points, now);
             if shaded {
-                self.vertices.shade()?;
+                let joints = motion.evaluation.joints().filter(|_| !before);
+                self.vertices.shade(joints)?;
             }
         }
         let normals = self.vertices.normals();

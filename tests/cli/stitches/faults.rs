@@ -63,7 +63,7 @@ fn edges_that_are_none_are_refused_at_their_place() {
         refused(&seam(&format!("«Edge»(piece: \"ball\", {run})"), RIGHT), &["the piece has no border"]);
     }
     for piece in [&ball, &tube] {
-        refused(&seam(&format!("{piece}side: «UMin»)"), RIGHT), &["only patches and grids have the sides"]);
+        refused(&seam(&format!("{piece}side: «UMin»)"), RIGHT), &["only patches and grids"]);
     }
     let ends = "from: (1, 0, 0), to: (1, 1, 0))";
     refused(

@@ -14,7 +14,7 @@ impl Obj {
     /// The file with its mesh subdivided. Groups, materials, comments and whatever else it holds stay where they are, and so
     /// do faces that were not cut; those that were become triangles. New vertices stand before the first of these, behind all
     /// old ones: those that the file lists later are moved there, so that all keep their numbers, and numbers that are counted
-    /// backwards become plain ones. A new position between two with a colour has the mean of the two.
+    /// backwards become plain ones. A new position between two with a colour has what lies as far between the two.
     ///
     /// # Errors
     ///
@@ -160,9 +160,10 @@ impl Editor<'_> {
     fn colors(&self) -> Vec<Option<[f32; 3]>> {
         let Ok(Some(colors)) = self.obj.colors() else { return Vec::new() };
         let mut out: Vec<_> = colors.iter().map(|color| color.map(|[r, g, b, _]| [r, g, b])).collect();
-        for &[a, b] in &self.finer.positions {
+        for (&[a, b], share) in self.finer.positions.iter().zip(self.finer.shares_of_positions()) {
             let both = out[a as usize].zip(out[b as usize]);
-            out.push(both.map(|(a, b)| std::array::from_fn(|k| f32::midpoint(a[k], b[k]))));
+            let mix = |a: f32, b: f32| (f64::from(a) * (1.0 - share) + f64::from(b) * share) as f32;
+            out.push(both.map(|(a, b)| std::array::from_fn(|k| mix(a[k], b[k]))));
         }
         out
     }

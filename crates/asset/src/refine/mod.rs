@@ -5,7 +5,7 @@
 //! is refined has attributes, targets and indices of its own; whatever else it has, and all other primitives, are as in the
 //! original.
 
-mod halve;
+mod between;
 mod skin;
 
 use std::collections::BTreeMap;
@@ -57,7 +57,9 @@ struct Added {
     old: usize,
     /// For each of them its parents, numbered from the block's first vertex on.
     parents: Vec<[u32; 2]>,
-    /// For a skin what to add to the middle of their parents' positions; empty where that is nothing.
+    /// For each of those how far it lies from its first parent towards the second.
+    shares: Vec<f64>,
+    /// For a skin what to add to what lies between their parents' positions; empty where that is nothing.
     shifts: Vec<[f32; 3]>,
     /// Their numbers in the subdivision.
     numbers: Vec<u32>,
@@ -76,12 +78,12 @@ impl Gltf {
     /// Gives nodes finer copies of their meshes. `finer` is a subdivision of the vertices and triangles of `rest`, the rest of
     /// this document.
     ///
-    /// Attributes of new vertices are the means of those of their parents: as floats, which hold all that is there as it is
+    /// Attributes of new vertices are between those of their parents, as near to each as they are: as floats, which hold all that is there as it is
     /// read and what lies between well enough, but joints, which stay integers, and attributes of applications (`_NAME`),
     /// which keep their component type and are rounded. Normals and tangents are of length 1; weights are those of both
-    /// parents, the largest of them in as many sets as there were, and add up to 1; where those of old vertices do not, or
-    /// their normals are of another length, that is put right in the copy. Displacements of morph targets are means too. A
-    /// skin's new vertices lie, at rest, in the middle of their parents.
+    /// parents in their shares, the largest of them in as many sets as there were, and add up to 1; where those of old vertices do not, or
+    /// their normals are of another length, that is put right in the copy. Displacements of morph targets are between too. A
+    /// skin's new vertices lie, at rest, on the line between their parents.
     ///
     /// # Errors
     ///
@@ -105,7 +107,7 @@ impl Gltf {
         let parts = rest.first_parts();
         for (block, (added, part)) in added.iter_mut().zip(&parts).enumerate() {
             if let (Some(part), false) = (part, added.parents.is_empty()) {
-                added.shifts = self.shifts(rest, block, part, &added.parents, &mut budget)?;
+                added.shifts = self.shifts(rest, block, part, added, &mut budget)?;
             }
         }
         let mut list = Vec::new();
@@ -135,7 +137,7 @@ impl Gltf {
         for piece in pieces {
             let of_block = &added[piece.block];
             if !known.iter().any(|(block, ..)| *block == piece.block) {
-                let (attributes, targets) = self.append_halved(copy, piece.primitive, of_block, budget)?;
+                let (attributes, targets) = self.append_grown(copy, piece.primitive, of_block, budget)?;
                 known.push((piece.block, attributes, targets));
             }
             let indices =
@@ -165,12 +167,15 @@ fn other_rest() -> AssetError {
 
 /// The new vertices of each block.
 fn added(rest: &Rest, finer: &Subdivision) -> Result<Vec<Added>, AssetError> {
+    if !finer.shares.is_empty() && finer.shares.len() != finer.parents.len() {
+        return Err(other_rest());
+    }
     let old = rest.positions.len() as u32;
     let empty = |block: &Block| Added { old: block.count, ..Added::default() };
     let mut out: Vec<Added> = rest.blocks.iter().map(empty).collect();
     // For each new vertex its block and its number there.
     let mut known: Vec<(usize, u32)> = Vec::with_capacity(finer.parents.len());
-    for (k, parents) in finer.parents.iter().enumerate() {
+    for (k, (parents, share)) in finer.parents.iter().zip(finer.vertex_shares()).enumerate() {
         let place = |v: u32| {
             if let Some(new) = v.checked_sub(old) {
                 return known.get(new as usize).copied();
@@ -180,11 +185,12 @@ fn added(rest: &Rest, finer: &Subdivision) -> Result<Vec<Added>, AssetError> {
         };
         let [Some(a), Some(b)] = parents.map(place) else { return Err(other_rest()) };
         let block = &mut out[a.0];
-        if a.0 != b.0 {
+        if a.0 != b.0 || !(0.0..=1.0).contains(&share) {
             return Err(other_rest());
         }
         known.push((a.0, (block.old + block.parents.len()) as u32));
         block.parents.push([a.1, b.1]);
+        block.shares.push(share);
         block.numbers.push(old + k as u32);
     }
     Ok(out)
@@ -232,6 +238,7 @@ fn alike(nodes: Vec<(usize, Vec<Piece>)>, added: &[Added]) -> Vec<(Vec<Piece>, V
         a.primitive == b.primitive
             && a.triangles == b.triangles
             && of_a.parents == of_b.parents
+            && of_a.shares == of_b.shares
             && of_a.shifts == of_b.shifts
     };
     let mut out: Vec<(Vec<Piece>, Vec<usize>)> = Vec::new();

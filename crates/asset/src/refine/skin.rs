@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::Added;
 use crate::accessor::Component;
 use crate::attributes::Local;
 use crate::document::Gltf;
@@ -61,12 +62,13 @@ impl Influences {
         self.pairs.get(vertex as usize * room..(vertex as usize + 1) * room).unwrap_or(&[])
     }
 
-    /// Adds a vertex between two: half of what each hangs on, the largest of it. Says whether both hang on the same.
-    pub(super) fn push_between(&mut self, [a, b]: [u32; 2]) -> bool {
+    /// Adds a vertex between two: of what each hangs on its share, the largest of it. Says whether both hang on the same.
+    pub(super) fn push_between(&mut self, [a, b]: [u32; 2], towards: f64) -> bool {
         let (a, b) = (shares(self.of(a)), shares(self.of(b)));
         let same = a == b;
-        let halves = a.into_iter().chain(b).map(|(joint, share)| (joint, 0.5 * share));
-        let mut list = merged(halves.collect());
+        let part = |of: f64| move |(joint, share)| (joint, of * share);
+        let both = a.into_iter().map(part(1.0 - towards)).chain(b.into_iter().map(part(towards)));
+        let mut list = merged(both.collect());
         // By weight, and where that decides nothing by number: both sides of a seam come to the same order.
         list.sort_by(|(i, s), (j, t)| t.total_cmp(s).then(i.cmp(j)));
         let room = 4 * self.sets;
@@ -163,8 +165,8 @@ fn merged(mut list: Vec<(u32, f64)>) -> Vec<(u32, f64)> {
 }
 
 impl Gltf {
-    /// For a skin what to add to the middles of the parents of a block's new vertices, so that at rest they lie in the
-    /// middle of their parents in the world; elsewhere, and where that is nothing for all, nothing.
+    /// For a skin what to add to what lies between the parents of a block's new vertices, so that at rest they lie as far
+    /// between their parents in the world; elsewhere, and where that is nothing for all, nothing.
     ///
     /// Two ends that hang on other joints are taken to the world in two ways; the middle, which is taken there in half of
     /// either, would leave the chord by a quarter of the edge times their difference. In the pose in which the skin was
@@ -174,7 +176,7 @@ impl Gltf {
         rest: &Rest,
         block: usize,
         part: &Part,
-        parents: &[[u32; 2]],
+        added: &Added,
         budget: &mut Budget,
     ) -> Result<Vec<[f32; 3]>, AssetError> {
         let block = &rest.blocks[block];
@@ -188,12 +190,12 @@ impl Gltf {
         let mut own: Vec<DVec3> = local.positions.iter().map(|&p| double(p)).collect();
         let shown = &rest.positions[block.first..block.first + block.count];
         let mut world: Vec<DVec3> = shown.iter().map(|&p| double(p)).collect();
-        let mut out = Vec::with_capacity(parents.len());
-        for &[a, b] in parents {
-            let middle = |list: &[DVec3]| (list[a as usize] + list[b as usize]) * 0.5;
-            let (between, chord) = (middle(&own), middle(&world));
+        let mut out = Vec::with_capacity(added.parents.len());
+        for (&[a, b], &share) in added.parents.iter().zip(&added.shares) {
+            let mix = |list: &[DVec3]| list[a as usize] * (1.0 - share) + list[b as usize] * share;
+            let (between, chord) = (mix(&own), mix(&world));
             let edge = own[a as usize].distance(own[b as usize]);
-            let same = influences.push_between([a, b]);
+            let same = influences.push_between([a, b], share);
             let there = || {
                 let matrix = influences.last_matrix(joints)?;
                 let shift = matrix.inverse().transform_point3(chord) - between;

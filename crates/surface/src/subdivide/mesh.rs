@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::{Halving, SubdivideError, SubdivideLimits, Subdivision, Wanted, check, graded};
+use super::{
+    Halving, SubdivideError, SubdivideLimits, Subdivision, Wanted, check, graded, mix, shares_or_half,
+};
 use crate::triangulate::Triangulator;
 use crate::vector::{narrow, wide};
 use crate::{Corner, Mesh};
@@ -11,12 +13,21 @@ use crate::{Corner, Mesh};
 /// their numbers; the new ones are numbered behind them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshSubdivision {
-    /// For each new position the two that it lies in the middle of; both come before it.
+    /// For each new position the two that it lies between; both come before it.
     pub positions: Vec<[u32; 2]>,
-    /// For each new texture coordinate the two that it is the mean of.
+    /// For each new position how far it lies from the first of them towards the second, as a part of the way from 0 to 1;
+    /// empty where all lie in the middle.
+    pub position_shares: Vec<f64>,
+    /// For each new position its place; new places are numbered behind the old ones.
+    pub place_of: Vec<u32>,
+    /// For each new texture coordinate the two that it lies between.
     pub uvs: Vec<[u32; 2]>,
+    /// The same of texture coordinates as [`MeshSubdivision::position_shares`].
+    pub uv_shares: Vec<f64>,
     /// For each new normal the two that it lies between.
     pub normals: Vec<[u32; 2]>,
+    /// The same of normals as [`MeshSubdivision::position_shares`].
+    pub normal_shares: Vec<f64>,
     /// The corners of all faces, as in [`Mesh::corners`].
     pub corners: Vec<Corner>,
     /// Where each face ends, as in [`Mesh::face_ends`].
@@ -55,20 +66,23 @@ impl Mesh {
         let longest = graded(&at, wanted.longest, &edges);
         let old = place_of.len();
         let halving = Halving { at, longest, place_of, old, limits };
-        let (touched, triangles) = self.touched(wanted.place_of, &vertices, &halving);
+        let (touched, triangles) = self.touched(wanted.place_of, &vertices, |p, q| halving.is_long(p, q));
         Ok(self.assemble(&touched, vertices, &halving.run(&triangles)?))
     }
 
-    /// The faces with an edge that is to be halved, rising, and their triangles.
-    fn touched(&self, place_of: &[u32], vertices: &Vertices, halving: &Halving) -> (Vec<u32>, Vec<[u32; 3]>) {
+    /// The faces with an edge between places that is to be cut, rising, and their triangles.
+    pub(super) fn touched(
+        &self,
+        place_of: &[u32],
+        vertices: &Vertices,
+        is_cut: impl Fn(u32, u32) -> bool,
+    ) -> (Vec<u32>, Vec<[u32; 3]>) {
         let (mut faces, mut triangles) = (Vec::new(), Vec::new());
         let mut triangulator = Triangulator::default();
         let mut first = 0;
         for (index, face) in self.faces().enumerate() {
-            let is_long = |[c, d]: [Corner; 2]| {
-                halving.is_long(place_of[c.position as usize], place_of[d.position as usize])
-            };
-            if sides(face).any(is_long) {
+            let place = |corner: Corner| place_of[corner.position as usize];
+            if sides(face).any(|[c, d]| is_cut(place(c), place(d))) {
                 faces.push(index as u32);
                 let polygon = face.iter().map(|c| self.positions[c.position as usize]);
                 triangulator.triangulate(polygon, first, &mut triangles);
@@ -82,9 +96,14 @@ impl Mesh {
     }
 
     /// Puts the faces that stay and the parts of the others together.
-    fn assemble(&self, touched: &[u32], mut vertices: Vertices, parts: &Subdivision) -> MeshSubdivision {
+    pub(super) fn assemble(
+        &self,
+        touched: &[u32],
+        mut vertices: Vertices,
+        parts: &Subdivision,
+    ) -> MeshSubdivision {
         let mut out = MeshSubdivision::default();
-        vertices.grow(self, &parts.parents, &mut out);
+        vertices.grow(self, parts, &mut out);
         let mut parts = parts.sources.iter().zip(&parts.triangles).peekable();
         let mut touched = touched.iter().peekable();
         // The first triangle behind those of the faces so far.
@@ -109,6 +128,12 @@ impl MeshSubdivision {
         self.positions.is_empty()
     }
 
+    /// How far each new position lies from its first parent towards the second: [`MeshSubdivision::position_shares`], or
+    /// half for all.
+    pub fn shares_of_positions(&self) -> impl Iterator<Item = f64> {
+        shares_or_half(&self.position_shares).take(self.positions.len())
+    }
+
     /// The finer mesh. `mesh` is the one that was subdivided, or one with the same faces whose positions, texture coordinates or
     /// normals are others.
     ///
@@ -118,18 +143,18 @@ impl MeshSubdivision {
     #[must_use]
     pub fn apply(&self, mesh: &Mesh) -> Mesh {
         let mut uvs = mesh.uvs.clone();
-        for &[a, b] in &self.uvs {
+        for (&[a, b], share) in self.uvs.iter().zip(shares_or_half(&self.uv_shares)) {
             let (a, b) = (uvs[a as usize], uvs[b as usize]);
-            uvs.push([0, 1].map(|k| ((f64::from(a[k]) + f64::from(b[k])) * 0.5) as f32));
+            uvs.push([0, 1].map(|k| (f64::from(a[k]) * (1.0 - share) + f64::from(b[k]) * share) as f32));
         }
         let mut normals = mesh.normals.clone();
-        for &[a, b] in &self.normals {
+        for (&[a, b], share) in self.normals.iter().zip(shares_or_half(&self.normal_shares)) {
             let (a, b) = (normals[a as usize], normals[b as usize]);
-            // Opposite ones have none between them; either is as good.
-            normals.push((wide(a) + wide(b)).try_normalize().map_or(a, narrow));
+            // Opposite ones have none in the middle between them; either is as good.
+            normals.push(mix(wide(a), wide(b), share).try_normalize().map_or(a, narrow));
         }
         Mesh {
-            positions: Subdivision::middles(&mesh.positions, &self.positions),
+            positions: Subdivision::between(&mesh.positions, &self.positions, &self.position_shares),
             uvs,
             normals,
             corners: self.corners.clone(),
@@ -145,14 +170,14 @@ impl MeshSubdivision {
 }
 
 /// The distinct corners of a mesh, which is what a renderer's vertices are.
-struct Vertices {
-    corners: Vec<Corner>,
+pub(super) struct Vertices {
+    pub(super) corners: Vec<Corner>,
     /// For each corner of the mesh which of them it is.
     of_corners: Vec<u32>,
 }
 
 impl Vertices {
-    fn of(mesh: &Mesh) -> Self {
+    pub(super) fn of(mesh: &Mesh) -> Self {
         let mut known = HashMap::with_capacity(mesh.positions.len());
         let mut corners = Vec::new();
         let number = |corner: &Corner| {
@@ -165,51 +190,61 @@ impl Vertices {
         Self { corners, of_corners }
     }
 
-    /// Adds the vertices in the middle of `parents`: their positions, texture coordinates and normals are each listed once
-    /// for a pair of old ones.
-    fn grow(&mut self, mesh: &Mesh, parents: &[[u32; 2]], out: &mut MeshSubdivision) {
+    /// Adds the new vertices: their positions, texture coordinates and normals are each listed once for what they lie
+    /// between, and where.
+    fn grow(&mut self, mesh: &Mesh, parts: &Subdivision, out: &mut MeshSubdivision) {
         let mut positions = Pairs::behind(mesh.positions.len());
         let mut uvs = Pairs::behind(mesh.uvs.len());
         let mut normals = Pairs::behind(mesh.normals.len());
-        for &[v, w] in parents {
+        for (k, (&[v, w], &place)) in parts.parents.iter().zip(&parts.place_of).enumerate() {
+            let share = parts.shares.get(k).copied();
             let (v, w) = (self.corners[v as usize], self.corners[w as usize]);
-            let between = |pairs: &mut Pairs, a: Option<u32>, b: Option<u32>| Some(pairs.between(a?, b?));
-            self.corners.push(Corner {
-                position: positions.between(v.position, w.position),
-                uv: between(&mut uvs, v.uv, w.uv),
-                normal: between(&mut normals, v.normal, w.normal),
-            });
+            let between =
+                |pairs: &mut Pairs, a: Option<u32>, b: Option<u32>| Some(pairs.between(a?, b?, share));
+            let position = positions.between(v.position, w.position, share);
+            if positions.list.len() > out.place_of.len() {
+                out.place_of.push(place);
+            }
+            let (uv, normal) = (between(&mut uvs, v.uv, w.uv), between(&mut normals, v.normal, w.normal));
+            self.corners.push(Corner { position, uv, normal });
         }
-        (out.positions, out.uvs, out.normals) = (positions.list, uvs.list, normals.list);
+        (out.positions, out.position_shares) = (positions.list, positions.shares);
+        (out.uvs, out.uv_shares) = (uvs.list, uvs.shares);
+        (out.normals, out.normal_shares) = (normals.list, normals.shares);
     }
 }
 
-/// What lies between two of a list, numbered behind it; each pair once.
+/// What lies between two of a list, numbered behind it; each once.
 struct Pairs {
     first: usize,
     list: Vec<[u32; 2]>,
-    known: HashMap<[u32; 2], u32>,
+    /// Empty where all lie in the middle.
+    shares: Vec<f64>,
+    /// By the pair and the bits of the share.
+    known: HashMap<([u32; 2], u64), u32>,
 }
 
 impl Pairs {
     fn behind(first: usize) -> Self {
-        Self { first, list: Vec::new(), known: HashMap::new() }
+        Self { first, list: Vec::new(), shares: Vec::new(), known: HashMap::new() }
     }
 
-    fn between(&mut self, a: u32, b: u32) -> u32 {
+    fn between(&mut self, a: u32, b: u32, share: Option<f64>) -> u32 {
         if a == b {
             return a;
         }
-        let pair = [a.min(b), a.max(b)];
-        *self.known.entry(pair).or_insert_with(|| {
+        // To turn a pair with a share would round that.
+        let pair = if share.is_none() { [a.min(b), a.max(b)] } else { [a, b] };
+        *self.known.entry((pair, share.unwrap_or(0.5).to_bits())).or_insert_with(|| {
             self.list.push(pair);
+            self.shares.extend(share);
             (self.first + self.list.len() - 1) as u32
         })
     }
 }
 
 /// The edges of a face.
-fn sides(face: &[Corner]) -> impl Iterator<Item = [Corner; 2]> + Clone {
+pub(super) fn sides(face: &[Corner]) -> impl Iterator<Item = [Corner; 2]> + Clone {
     face.iter().zip(face.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 

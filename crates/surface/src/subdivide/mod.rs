@@ -14,6 +14,9 @@
 //! [RS75] I. Rosenberg, F. Stenger, "A lower bound on the angles of triangles constructed by bisecting the longest
 //! side", Mathematics of Computation 29, 1975.
 
+mod cut;
+#[cfg(test)]
+mod cut_tests;
 mod grade;
 mod mesh;
 #[cfg(test)]
@@ -24,6 +27,7 @@ use thiserror::Error;
 
 use crate::Distinct;
 use crate::vector::{narrow, wide};
+pub use cut::{Cut, cut_edges};
 pub(crate) use grade::graded;
 pub use mesh::MeshSubdivision;
 
@@ -62,16 +66,34 @@ pub struct SubdivideLimits {
     pub triangles: u64,
 }
 
+impl SubdivideLimits {
+    /// Refuses so many in all where they are too many.
+    fn check(self, vertices: u64, triangles: u64) -> Result<(), SubdivideError> {
+        // Indices have 32 bits.
+        let most = self.vertices.min(u64::from(u32::MAX));
+        if vertices <= most && triangles <= self.triangles {
+            Ok(())
+        } else {
+            Err(SubdivideError::TooMany { vertices, triangles })
+        }
+    }
+}
+
 /// A finer surface, in terms of the one it is made from. Old vertices and places keep their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Subdivision {
-    /// For each new vertex, numbered behind the old ones, the two that it lies in the middle of; both come before it.
-    /// Vertices that share a place have parents that share theirs.
+    /// For each new vertex, numbered behind the old ones, the two that it lies between; both come before it. Vertices that
+    /// share a place have parents that share theirs.
     pub parents: Vec<[u32; 2]>,
+    /// For each new vertex how far it lies from its first parent towards the second, as a part of the way from 0 to 1;
+    /// empty where all lie in the middle.
+    pub shares: Vec<f64>,
     /// For each new vertex its place.
     pub place_of: Vec<u32>,
-    /// For each new place, numbered behind the old ones, the two that it lies in the middle of.
+    /// For each new place, numbered behind the old ones, the two that it lies between.
     pub place_parents: Vec<[u32; 2]>,
+    /// The same of new places as [`Subdivision::shares`] of new vertices.
+    pub place_shares: Vec<f64>,
     /// All triangles, those of one old triangle together, in the order of the old ones.
     pub triangles: Vec<[u32; 3]>,
     /// For each triangle the old one that it is, or is a part of; rising.
@@ -95,6 +117,12 @@ pub enum SubdivideError {
     /// A wanted length is not above 0, or a place is not finite.
     #[error("place {0} is not finite, or its wanted length is not above 0")]
     Place(usize),
+    /// An edge that is to be cut is none of the surface's, or is another cut's too.
+    #[error("cut {0} is of an edge that is not there, or that is cut already")]
+    Edge(usize),
+    /// Where an edge is to be cut is not between its ends, or not in order.
+    #[error("the shares of cut {0} do not rise from 0 to 1, both left out")]
+    Shares(usize),
     /// The mesh is not consistent.
     #[error(transparent)]
     Mesh(#[from] crate::MeshError),
@@ -164,16 +192,32 @@ impl Subdivision {
         self.parents.is_empty()
     }
 
-    /// The middle of each new place or vertex's parents behind the old positions, rounded once: equal parents have equal
-    /// middles, bit for bit.
-    pub fn middles(positions: &[[f32; 3]], parents: &[[u32; 2]]) -> Vec<[f32; 3]> {
+    /// Behind the old positions that of each new place or vertex between its parents, rounded once: equal parents and
+    /// shares give equal positions, bit for bit. Without `shares` it is the middle.
+    pub fn between(positions: &[[f32; 3]], parents: &[[u32; 2]], shares: &[f64]) -> Vec<[f32; 3]> {
         let mut out = Vec::with_capacity(positions.len() + parents.len());
         out.extend_from_slice(positions);
-        for &[a, b] in parents {
-            out.push(narrow(middle(wide(out[a as usize]), wide(out[b as usize]))));
+        for (&[a, b], share) in parents.iter().zip(shares_or_half(shares)) {
+            out.push(narrow(mix(wide(out[a as usize]), wide(out[b as usize]), share)));
         }
         out
     }
+
+    /// How far each new vertex lies from its first parent towards the second: [`Subdivision::shares`], or half for all.
+    pub fn vertex_shares(&self) -> impl Iterator<Item = f64> {
+        shares_or_half(&self.shares).take(self.parents.len())
+    }
+}
+
+/// As many halves as are asked for where there are no shares.
+fn shares_or_half(shares: &[f64]) -> impl Iterator<Item = f64> {
+    let halves = if shares.is_empty() { usize::MAX } else { 0 };
+    shares.iter().copied().chain(std::iter::repeat_n(0.5, halves))
+}
+
+/// What lies between two. At half the products are exact, so that it is the bits of half their sum.
+fn mix(p: DVec3, q: DVec3, share: f64) -> DVec3 {
+    p * (1.0 - share) + q * share
 }
 
 fn check(vertices: &[u32], wanted: &Wanted<'_>) -> Result<(), SubdivideError> {
@@ -255,7 +299,7 @@ impl Halving {
         let place_of = self.place_of.split_off(self.old);
         debug_assert_eq!(self.at.len(), places + place_parents.len());
         let (sources, triangles) = done.into_iter().unzip();
-        Ok(Subdivision { parents, place_of, place_parents, triangles, sources })
+        Ok(Subdivision { parents, place_of, place_parents, triangles, sources, ..Subdivision::default() })
     }
 
     /// Refuses before anything is made what the areas alone say will be too many triangles: none of those that come out of one
@@ -302,14 +346,7 @@ impl Halving {
 
     /// Refuses so many more vertices, and so many triangles in all, where they are too many.
     fn count(&self, more: usize, triangles: usize) -> Result<(), SubdivideError> {
-        let (vertices, triangles) = (self.place_of.len() as u64 + more as u64, triangles as u64);
-        // Indices have 32 bits.
-        let most = self.limits.vertices.min(u64::from(u32::MAX));
-        if vertices <= most && triangles <= self.limits.triangles {
-            Ok(())
-        } else {
-            Err(SubdivideError::TooMany { vertices, triangles })
-        }
+        self.limits.check(self.place_of.len() as u64 + more as u64, triangles as u64)
     }
 
     /// Adds the middles of edges, which are sorted: those of one pair of places share a place.

@@ -65,7 +65,7 @@ fn angle(positions: &[[f32; 3]], triangle: [u32; 3]) -> f64 {
 
 /// Whatever is wanted: no crack, no T-junction, no area lost, no end left open that was not.
 fn assert_sound((positions, triangles): &Surface, longest: &[f32], found: &Subdivision) -> Vec<[f32; 3]> {
-    let all = Subdivision::middles(positions, &found.parents);
+    let all = Subdivision::between(positions, &found.parents, &found.shares);
     assert_eq!(all[..positions.len()], positions[..], "old vertices keep their bits");
     let old_places = place_of(positions);
     let mut places = old_places.clone();
@@ -195,7 +195,7 @@ fn degenerate_triangles_pass() {
         vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let triangles = [[0, 1, 2], [1, 3, 5], [0, 4, 1], [0, 0, 1], [0, 1, 5], [1, 0, 5]];
     let found = subdivide_vertices(&positions, &triangles, &[0.1; 6], ANY).unwrap();
-    let all = Subdivision::middles(&positions, &found.parents);
+    let all = Subdivision::between(&positions, &found.parents, &[]);
     for [a, b] in found.triangles.iter().flat_map(|t| sides(*t)) {
         assert!(wide(all[a as usize]).distance(wide(all[b as usize])) <= 0.1 * (1.0 + SLACK));
     }

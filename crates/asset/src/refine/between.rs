@@ -1,5 +1,6 @@
-//! Attributes of refined primitives: those of the old vertices, then means of those of the parents.
+//! Attributes of refined primitives: those of the old vertices, then what lies between those of the parents.
 
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use super::Added;
@@ -31,7 +32,7 @@ type Appended = (Map<String, Value>, Option<Value>);
 
 impl Gltf {
     /// Appends the attributes and targets of a primitive with vertices added.
-    pub(super) fn append_halved(
+    pub(super) fn append_grown(
         &mut self,
         mesh: usize,
         primitive: usize,
@@ -40,7 +41,7 @@ impl Gltf {
     ) -> Result<Appended, AssetError> {
         let json = self.root().need("meshes")?.item(mesh)?.need("primitives")?.item(primitive)?;
         let mut warnings = Vec::new();
-        let reader = Halver { gltf: self, added };
+        let reader = Grower { gltf: self, added };
         let own = reader.columns(json.need("attributes")?, false, budget, &mut warnings)?;
         let mut of_targets = Vec::new();
         if let Some(targets) = json.get("targets")? {
@@ -132,12 +133,12 @@ impl Gltf {
 }
 
 /// Reads attributes and adds those of new vertices.
-struct Halver<'a> {
+struct Grower<'a> {
     gltf: &'a Gltf,
     added: &'a Added,
 }
 
-impl Halver<'_> {
+impl Grower<'_> {
     /// The attributes of a primitive, or of a target that `displaces` them.
     fn columns(
         &self,
@@ -147,8 +148,8 @@ impl Halver<'_> {
         warnings: &mut Vec<Warning>,
     ) -> Result<Vec<Column>, AssetError> {
         let mut influences = if displaces { None } else { Influences::read(self.gltf, attributes, budget)? };
-        for &parents in &self.added.parents {
-            influences.as_mut().map(|influences| influences.push_between(parents));
+        for (&parents, &share) in self.added.parents.iter().zip(&self.added.shares) {
+            influences.as_mut().map(|influences| influences.push_between(parents, share));
         }
         let mut out = Vec::new();
         for (name, reference) in attributes.members()? {
@@ -178,45 +179,45 @@ impl Halver<'_> {
         displaces: bool,
         budget: &mut Budget,
     ) -> Result<Option<Numbers>, AssetError> {
-        let parents = self.added.parents.as_slice();
+        let added = self.added;
         let floats = |list: Vec<f32>| Ok(Some(Numbers::Floats(list)));
         match (name, accessor.lanes) {
             ("POSITION", 3) if !displaces => {
-                let shift = |k: usize| self.added.shifts.get(k).copied().unwrap_or_default();
-                let between = |k, a, b| {
-                    let (shift, a, b) = (shift(k), double(a), double(b));
-                    std::array::from_fn(|i| ((a[i] + b[i]) * 0.5 + f64::from(shift[i])) as f32)
+                let shift = |k: usize| added.shifts.get(k).copied().unwrap_or_default();
+                let between = |k, a, b, share| {
+                    let (shift, p) = (shift(k), mix(a, b, share));
+                    std::array::from_fn(|i| (p[i] + f64::from(shift[i])) as f32)
                 };
-                floats(grown(accessor.floats::<3>(budget)?, parents, between).into_flattened())
+                floats(grown(accessor.floats::<3>(budget)?, added, between).into_flattened())
             }
             ("NORMAL", 3) if !displaces => {
                 let mut old = accessor.floats::<3>(budget)?;
                 old.iter_mut().for_each(make_unit);
-                floats(grown(old, parents, |_, a, b| unit(a, b)).into_flattened())
+                floats(grown(old, added, |_, a, b, share| unit(a, b, share)).into_flattened())
             }
             ("TANGENT", 4) if !displaces => {
-                let between = |_, [x, y, z, w]: [f32; 4], [p, q, r, _]: [f32; 4]| {
-                    let [x, y, z] = unit([x, y, z], [p, q, r]);
+                let between = |_, [x, y, z, w]: [f32; 4], [p, q, r, _]: [f32; 4], share| {
+                    let [x, y, z] = unit([x, y, z], [p, q, r], share);
                     [x, y, z, w]
                 };
                 let mut old = accessor.floats::<4>(budget)?;
                 old.iter_mut().filter_map(|t| t.first_chunk_mut()).for_each(make_unit);
-                floats(grown(old, parents, between).into_flattened())
+                floats(grown(old, added, between).into_flattened())
             }
             _ if is_kept(name) && accessor.component != Component::F32 => {
                 let matrix = accessor.json.need("type")?.string()?.starts_with("MAT");
                 if matrix { Ok(None) } else { self.integers(accessor, budget).map(Some) }
             }
-            (_, 1) => floats(means::<1>(accessor, parents, budget)?),
-            (_, 2) => floats(means::<2>(accessor, parents, budget)?),
-            (_, 3) => floats(means::<3>(accessor, parents, budget)?),
-            (_, 4) => floats(means::<4>(accessor, parents, budget)?),
-            (_, 9) => floats(means::<9>(accessor, parents, budget)?),
-            _ => floats(means::<16>(accessor, parents, budget)?),
+            (_, 1) => floats(mixed::<1>(accessor, added, budget)?),
+            (_, 2) => floats(mixed::<2>(accessor, added, budget)?),
+            (_, 3) => floats(mixed::<3>(accessor, added, budget)?),
+            (_, 4) => floats(mixed::<4>(accessor, added, budget)?),
+            (_, 9) => floats(mixed::<9>(accessor, added, budget)?),
+            _ => floats(mixed::<16>(accessor, added, budget)?),
         }
     }
 
-    /// Integers as they are, means rounded.
+    /// Integers as they are, what lies between them rounded.
     fn integers(&self, accessor: &Accessor<'_>, budget: &mut Budget) -> Result<Numbers, AssetError> {
         let mut values = match accessor.lanes {
             1 => whole::<1>(accessor, budget)?,
@@ -224,10 +225,12 @@ impl Halver<'_> {
             3 => whole::<3>(accessor, budget)?,
             _ => whole::<4>(accessor, budget)?,
         };
-        for [a, b] in self.added.parents.iter().map(|pair| pair.map(|v| v as usize * accessor.lanes)) {
+        for (pair, share) in self.added.parents.iter().zip(&self.added.shares) {
+            let [a, b] = pair.map(|v| v as usize * accessor.lanes);
             for lane in 0..accessor.lanes {
+                let [a, b] = [values[a + lane], values[b + lane]].map(|value| value as f64);
                 // Half goes up.
-                values.push((values[a + lane] + values[b + lane] + 1).div_euclid(2));
+                values.push((a * (1.0 - share) + b * share + 0.5).floor() as i64);
             }
         }
         Ok(Numbers::Integers { component: accessor.component, normalized: accessor.normalized, values })
@@ -259,29 +262,26 @@ fn of_skin(influences: &Influences, name: &str, accessor: &Accessor<'_>) -> Opti
     })
 }
 
-/// The values of the old vertices, then of each new one what `between` makes of its parents'.
+/// The values of the old vertices, then of each new one what `between` makes of its number, its parents' and its share.
 fn grown<const N: usize>(
     mut values: Vec<[f32; N]>,
-    parents: &[[u32; 2]],
-    between: impl Fn(usize, [f32; N], [f32; N]) -> [f32; N],
+    added: &Added,
+    between: impl Fn(usize, [f32; N], [f32; N], f64) -> [f32; N],
 ) -> Vec<[f32; N]> {
-    values.reserve_exact(parents.len());
-    for (k, &[a, b]) in parents.iter().enumerate() {
-        values.push(between(k, values[a as usize], values[b as usize]));
+    values.reserve_exact(added.parents.len());
+    for (k, (&[a, b], &share)) in added.parents.iter().zip(&added.shares).enumerate() {
+        values.push(between(k, values[a as usize], values[b as usize], share));
     }
     values
 }
 
-fn means<const N: usize>(
+fn mixed<const N: usize>(
     accessor: &Accessor<'_>,
-    parents: &[[u32; 2]],
+    added: &Added,
     budget: &mut Budget,
 ) -> Result<Vec<f32>, AssetError> {
-    let mean = |_, a: [f32; N], b: [f32; N]| {
-        let (a, b) = (double(a), double(b));
-        std::array::from_fn(|k| ((a[k] + b[k]) * 0.5) as f32)
-    };
-    Ok(grown(accessor.floats::<N>(budget)?, parents, mean).into_flattened())
+    let between = |_, a: [f32; N], b: [f32; N], share| mix(a, b, share).map(|value| value as f32);
+    Ok(grown(accessor.floats::<N>(budget)?, added, between).into_flattened())
 }
 
 /// The components as they are stored.
@@ -305,12 +305,12 @@ fn make_unit(v: &mut [f32; 3]) {
     }
 }
 
-/// The direction half-way between two; the first where they cancel.
-fn unit(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    let sum = crate::way::double(a) + crate::way::double(b);
-    sum.try_normalize().map_or(a, crate::way::single)
+/// The direction between two; the first where they cancel.
+fn unit(a: [f32; 3], b: [f32; 3], share: f64) -> [f32; 3] {
+    DVec3::from_array(mix(a, b, share)).try_normalize().map_or(a, crate::way::single)
 }
 
-fn double<const N: usize>(v: [f32; N]) -> [f64; N] {
-    v.map(f64::from)
+/// What lies between two. At half the products are exact, so that it is the bits of half their sum.
+fn mix<const N: usize>(a: [f32; N], b: [f32; N], share: f64) -> [f64; N] {
+    std::array::from_fn(|k| f64::from(a[k]) * (1.0 - share) + f64::from(b[k]) * share)
 }
