@@ -25,7 +25,9 @@ fn slit() -> (Vec<DVec3>, Vec<[usize; 3]>, [Vec<usize>; 2]) {
         lips[0].push(old);
         lips[1].push(new);
     }
-    lips.iter_mut().for_each(|lip| lip.push(middle(3 * N / 4)));
+    for lip in &mut lips {
+        lip.push(middle(3 * N / 4));
+    }
     let new = (N + 1) * (N + 1);
     for (i, p) in points.iter_mut().enumerate() {
         let wide = 0.1 * (1.0 - (p.z / 0.5).powi(2)).max(0.0);

@@ -120,13 +120,13 @@ fn surfaces_follow_as_radius_scale_and_density_say() {
     let place = Place::new();
     let patches = straight(0.2, [25, 8]);
     let rest = place.rest_points(&patches);
-    let quartic = |x: f64| (1.0 - x * x).powi(2);
-    let linear = |x: f64| 1.0 - x;
-    let cases: [(&str, f64, f64, &dyn Fn(f64) -> f64); 4] = [
-        ("radius: 0.5", 0.5, 1.0, &quartic),
-        ("radius: 0.25", 0.25, 1.0, &quartic),
-        ("radius: 0.5, scale: 1.4", 0.5, 1.4, &quartic),
-        ("radius: 0.5, density: Linear", 0.5, 1.0, &linear),
+    let quartic: fn(f64) -> f64 = |x| (1.0 - x * x).powi(2);
+    let linear: fn(f64) -> f64 = |x| 1.0 - x;
+    let cases = [
+        ("radius: 0.5", 0.5, 1.0, quartic),
+        ("radius: 0.25", 0.25, 1.0, quartic),
+        ("radius: 0.5, scale: 1.4", 0.5, 1.4, quartic),
+        ("radius: 0.5, density: Linear", 0.5, 1.0, linear),
     ];
     for (fields, radius, scale, density) in cases {
         let now = place.still(&sewn(&patches, fields), 0.0);

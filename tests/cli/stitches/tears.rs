@@ -97,12 +97,9 @@ fn a_plateau_is_as_open_as_the_middle() {
     let place = Place::new();
     let patches = straight(HALF, [20, ALONG]);
     let now = edge(&place, &patches, "Tear(at: 0.5, width: 0.8, plateau: 0.5, opening: 0.9)", 0.0);
-    check(&now, |t| HALF * 0.9 * open((t - 0.5).abs().max(0.2), 0.0, 0.4, 1.0).max(open_past(t)));
-}
-
-/// Of that plateau: from 0.2 off the middle on it falls over the other 0.2.
-fn open_past(t: f64) -> f64 {
-    open(((t - 0.5).abs() - 0.2).max(0.0), 0.0, 0.4, 1.0)
+    // From 0.2 off the middle on it falls, over the other 0.2.
+    let past = |t: f64| open(((t - 0.5).abs() - 0.2).max(0.0), 0.0, 0.4, 0.9);
+    check(&now, |t| HALF * past(t));
 }
 
 /// Two tubes one above the other, sewn all round: a tear at the first point of the loop goes both ways.
