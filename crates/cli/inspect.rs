@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use wirework::asset::printable;
-use wirework::{AssetFacts, EffectFacts, Fault, NodeFacts, PartFacts, PresetFacts, inspect_asset};
+use wirework::{
+    AssetFacts, BorderFacts, EffectFacts, Fault, NodeFacts, PartFacts, PresetFacts, inspect_asset,
+};
 
 use crate::args::Inspect;
 use crate::console::{Console, print};
@@ -94,6 +96,14 @@ fn node_line(node: &NodeFacts) -> String {
     format!("{}: {}", named(node.name.as_deref()), parts.join("; "))
 }
 
+/// Where a border is, so that a seam can name it.
+fn border_line(border: &BorderFacts) -> String {
+    let point = |p: [f32; 3]| format!("({})", p.map(rounded).join(", "));
+    let vertices = of(border.vertices, "vertex", "vertices");
+    let (middle, vertex) = (point(border.middle), point(border.vertex));
+    format!("{vertices}, {} long, round {middle}, one at {vertex}", rounded(border.length))
+}
+
 /// To a millimetre, without a minus before nothing.
 fn rounded(x: f32) -> String {
     let text = format!("{x:.3}");
@@ -115,6 +125,7 @@ fn asset_table(facts: &AssetFacts) -> String {
         let corner = |p: [f32; 3]| format!("({}, {}, {})", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0);
         table.row("bounds", &format!("{} to {}", corner(bounds.min), corner(bounds.max)));
     }
+    table.rows("border", &facts.borders, border_line);
     if let Some(nodes) = facts.nodes {
         table.row("nodes", &nodes.to_string());
     }

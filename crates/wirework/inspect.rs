@@ -24,6 +24,8 @@ pub struct AssetFacts {
     pub triangles: Option<usize>,
     /// The box round what is shown at rest, in world space.
     pub bounds: Option<BoundsFacts>,
+    /// The borders of what is shown, the longest first, at most 64: seams run along them. Vertices at one place are one.
+    pub borders: Vec<BorderFacts>,
     /// Nodes of the document; an OBJ has none.
     pub nodes: Option<usize>,
     /// Those of them that `only` of a preset can name to some effect.
@@ -56,6 +58,20 @@ pub struct BoundsFacts {
     pub min: [f32; 3],
     /// The greatest coordinates.
     pub max: [f32; 3],
+}
+
+/// A border: edges with a face on one side only, one after the other.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct BorderFacts {
+    /// How many vertices it has.
+    pub vertices: usize,
+    /// Its length, metres.
+    pub length: f32,
+    /// The middle of its box.
+    pub middle: [f32; 3],
+    /// One of its vertices.
+    pub vertex: [f32; 3],
 }
 
 /// A mesh.

@@ -165,8 +165,8 @@ pub use apply::{Job, Progress, apply};
 pub use error::{Fault, JobError};
 pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{
-    AnimationFacts, AssetFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts, PieceFacts,
-    PresetFacts, RefusedAsset, SeamFacts, SkinFacts, inspect_asset,
+    AnimationFacts, AssetFacts, BorderFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts,
+    PieceFacts, PresetFacts, RefusedAsset, SeamFacts, SkinFacts, inspect_asset,
 };
 pub use mask::check_images;
 pub use net::ControlNet;

@@ -87,6 +87,7 @@ fn inspect_tells_what_apply_made() {
         "24 morph targets",
         "\"wirework\": 1 s, 1 channel",
         "(-1, 0, -1) to (1, 0, 1)",
+        "border 0     64 vertices, 8.000 long, round (0.000, 0.000, 0.000), one at (-1.000, 0.000, ",
     ] {
         assert!(table.contains(part), "{part} in\n{table}");
     }

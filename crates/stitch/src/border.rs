@@ -11,6 +11,12 @@ pub(crate) struct Border {
     pub(crate) branch: Option<u32>,
 }
 
+/// All borders of a surface whose triangles are these, each as its vertices in a row: runs and loops of seams lie on them. A border begins
+/// with its vertex of the least number; one that has no one way on, since three edges of border meet in a vertex, ends there.
+pub fn border_loops(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+    borders(triangles).into_iter().map(|border| border.vertices).collect()
+}
+
 /// An edge of the border, as its face has it.
 #[derive(Clone, Copy, Debug)]
 struct Rim {

@@ -77,7 +77,7 @@ pub enum EdgeFault {
     NoBorder,
     /// A point is too far from every border to say which vertex is meant.
     #[error(
-        "`{field}` is {distance} off the border of the piece, whose nearest vertex is at ({}, {}, {}): no boundary runs here",
+        "`{field}` is {distance:.3} off the border of the piece, whose nearest vertex is at ({}, {}, {}): no boundary runs here",
         nearest[0], nearest[1], nearest[2]
     )]
     OffBorder {

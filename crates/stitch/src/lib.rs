@@ -51,6 +51,7 @@ mod target;
 mod tear;
 mod turn;
 
+pub use border::border_loops;
 pub use error::{EdgeFault, StitchError, StitchWarning};
 pub use joint::Cut;
 pub use seams::{Pin, Seams, seams};

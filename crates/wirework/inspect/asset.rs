@@ -7,10 +7,11 @@ use serde_json::Value;
 use thiserror::Error;
 use wirework_asset::{Gltf, Limits, Obj, Outline, Rest, Warning, printable};
 use wirework_bake::{CROWDED, Settings};
+use wirework_stitch::border_loops;
 use wirework_surface::{Bounds, Mesh};
 
 use super::parts::{broken_colors, groups, materials, named_parts, nodes, of_mesh};
-use super::{AnimationFacts, AssetFacts, BoundsFacts, MeshFacts, PartFacts, SkinFacts};
+use super::{AnimationFacts, AssetFacts, BorderFacts, BoundsFacts, MeshFacts, PartFacts, SkinFacts};
 use crate::evaluate::{bounds_frame, has_extent};
 use crate::subject::{FileKind, Model, Subject};
 use crate::{JobError, MeshPart};
@@ -55,6 +56,7 @@ pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, Box<Ref
     };
     facts.vertices = Some(subject.position_count());
     facts.triangles = Some(subject.triangles.len());
+    facts.borders = borders(&subject.points, &subject.triangles);
     facts.bounds = Bounds::of(&subject.points).map(|b| BoundsFacts { min: b.min, max: b.max });
     if !has_extent(&bounds_frame(subject.bounds())) {
         let file = printable(&path.display().to_string());
@@ -62,6 +64,29 @@ pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, Box<Ref
         facts.warnings.push(format!("{file}: {found} [no-extent]"));
     }
     Ok(facts)
+}
+
+/// More borders than this nobody sews; a mesh of loose triangles has as many as it has faces.
+const MOST_BORDERS: usize = 64;
+
+fn borders(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<BorderFacts> {
+    let of = |vertices: Vec<u32>| {
+        let places: Vec<[f32; 3]> = vertices.iter().map(|&vertex| points[vertex as usize]).collect();
+        let next = places.iter().cycle().skip(1);
+        let step = |(p, q): (&[f32; 3], &[f32; 3])| {
+            [0, 1, 2].map(|k| p[k] - q[k]).map(|c| c * c).iter().sum::<f32>().sqrt()
+        };
+        BorderFacts {
+            vertices: vertices.len(),
+            length: places.iter().zip(next).map(step).sum(),
+            middle: Bounds::of(&places).map_or([0.0; 3], |bounds| bounds.center()),
+            vertex: places.first().copied().unwrap_or_default(),
+        }
+    };
+    let mut all: Vec<BorderFacts> = border_loops(triangles).into_iter().map(of).collect();
+    all.sort_by(|a, b| b.length.total_cmp(&a.length));
+    all.truncate(MOST_BORDERS);
+    all
 }
 
 /// What can be told of a file that is refused, but for why it is.
