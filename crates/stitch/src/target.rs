@@ -11,8 +11,13 @@ use crate::settings::Seam;
 use crate::side::Side;
 use crate::tear::{Gap, TearNow, gap};
 
-/// A seam that is torn off at its end counts so little beside those that hold there.
+/// How far from shut and from open ends of seams are told apart: one that is shut counts so much more than one that is torn at all, so
+/// that it stays shut, and one that is torn off so little beside those that hold.
 const TORN: f64 = 1e-6;
+
+/// Where a tear reaches a corner that others hold, its edges leave the corner along this part of the tear. More of it, and edges that
+/// run side by side at rest stay shut in a tear that should be open; less, and they turn sharply beside the corner.
+const HELD: f64 = 0.25;
 
 /// The settings of a seam at a moment.
 #[derive(Clone, Debug)]
@@ -122,8 +127,7 @@ pub(crate) fn tear(seams: &[Sides], targets: &mut [Targets]) {
     }
 }
 
-/// Where a seam is torn at its end and others hold the corner, the tear's edges come to the corner, and fade to their own way as the
-/// tear does.
+/// Where a seam is torn at its end and others hold the corner, the tear's edges come to the corner, and go their own way from there.
 pub(crate) fn hold(seams: &[Sides], moments: &[Moment], corners: &[Corner], targets: &mut [Targets]) {
     for corner in corners {
         let edges = || corner.iter().flat_map(|&end| [(end, 0), (end, 1)]);
@@ -137,7 +141,7 @@ pub(crate) fn hold(seams: &[Sides], moments: &[Moment], corners: &[Corner], targ
             let beside = || edges().filter(|other| vertex(*other) == vertex(edge));
             let weight = |(end, side): (End, usize)| {
                 let gap = end_of(&targets[end.seam][side].gaps, end);
-                moments[end.seam].closure * (1.0 - gap.open + TORN)
+                moments[end.seam].closure * (1.0 - gap.open + TORN) / (gap.open + TORN)
             };
             let total: f64 = beside().map(weight).sum();
             let goal = |(end, side): (End, usize)| end_of(&targets[end.seam][side].goal, end);
@@ -150,19 +154,20 @@ pub(crate) fn hold(seams: &[Sides], moments: &[Moment], corners: &[Corner], targ
             let target = &mut targets[end.seam][side];
             let most = end_of(&target.gaps, end).open;
             if most > 0.0 {
-                fade_in(target, end.last, shift, most);
+                let at = if end.last { 1.0 } else { 0.0 };
+                let reach = moments[end.seam].tears.iter().map(|tear| tear.reach(at)).fold(0.0, f64::max);
+                fade_in(target, &seams[end.seam][side].track.t, at, HELD * reach, shift);
             }
         }
     }
 }
 
-/// Shifts the goals of the tear that an end lies in.
-fn fade_in(target: &mut Target, last: bool, shift: DVec3, most: f64) {
-    let mut all: Vec<(&mut DVec3, &Gap)> = target.goal.iter_mut().zip(&target.gaps).collect();
-    if last {
-        all.reverse();
-    }
-    for (goal, gap) in all.into_iter().take_while(|(_, gap)| gap.open > 0.0) {
-        *goal += shift * (gap.open / most);
+/// Shifts the goals near the end `at`, all of the way there and none from `reach` on.
+fn fade_in(target: &mut Target, t: &[f64], at: f64, reach: f64, shift: DVec3) {
+    for (goal, t) in target.goal.iter_mut().zip(t) {
+        let x = (t - at).abs() / reach;
+        if x < 1.0 {
+            *goal += shift * (1.0 - x * x).powi(2);
+        }
     }
 }

@@ -40,6 +40,12 @@ impl TearNow {
         let x = ((off - flat) / (self.half - flat)).max(0.0);
         self.opening * (1.0 - x * x).powi(2)
     }
+
+    /// How far it goes from an end of the seam, 0 or 1, where it is open there, else 0.
+    pub(crate) fn reach(&self, end: f64) -> f64 {
+        let off = (self.at - end).abs();
+        if off < self.half { self.half + off } else { 0.0 }
+    }
 }
 
 /// What all tears make of a seam at `t`: each multiplies what is left of the closure.

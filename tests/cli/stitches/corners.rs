@@ -148,6 +148,46 @@ fn a_seam_that_is_apart_is_as_none() {
     assert!(apart(&four, &want) > 0.02);
 }
 
+/// A seam that is torn at the corner does not part the others there, and opens all the same.
+#[test]
+fn a_tear_that_reaches_the_corner_leaves_it_to_the_others() {
+    let place = Place::new();
+    let rest = place.rest_points(&quarters());
+    let whole = place.still(&stitch(&all([0, 1, 2, 3], ""), "Simultaneous"), 0.0);
+    let close = 1e-5 * diagonal(&rest);
+    for (tear, middle, half) in [
+        ("Tear(at: 0, width: 0.6)", 0.0, 0.3),
+        ("Tear(at: 0.15, width: 0.5)", 0.15, 0.25),
+        ("Tear(at: 0, width: 0.6, plateau: 0.9)", 0.0, 0.3),
+    ] {
+        let mut seams = all([0, 1, 2, 3], "");
+        seams[2] = seam(2, &format!("tears: [{tear}]"));
+        let torn = place.still(&stitch(&seams, "Simultaneous"), 0.0);
+        let corners = [0, 2].map(|number| edges(number).map(|edge| torn[edge[0]])).concat();
+        for corner in &corners[1..] {
+            assert!(corner.distance(corners[0]) < close, "{tear}: the corner parts: {corners:?}");
+        }
+        for number in [0, 1, 3] {
+            let [a, b] = edges(number).map(|edge| at(&torn, &edge));
+            assert!(apart(&a, &b) < close, "{tear}: seam {number} stays shut");
+        }
+        let plateau = if tear.contains("plateau") { 0.9 } else { 0.0 };
+        let gap = |points: &[DVec3], j: usize| edges(2).map(|edge| points[edge[j]]);
+        for j in 1..=ALONG {
+            let t = j as f64 / ALONG as f64;
+            let x = (((t - middle).abs() / half - plateau) / (1.0 - plateau)).max(0.0);
+            let open = if x < 1.0 { (1.0 - x * x).powi(2) } else { 0.0 };
+            let ([p, q], [own, other], [seam, _]) = (gap(&torn, j), gap(&rest, j), gap(&whole, j));
+            // Beside the corner it is on its way.
+            let on = if t < 0.12 { 0.2 } else { 2.0 * EXACT };
+            for (now, rest) in [(p, own), (q, other)] {
+                let off = now.distance(seam.lerp(rest, open));
+                assert!(off <= on, "{tear}: vertex {j} is {off} off where a tear of {open} has it");
+            }
+        }
+    }
+}
+
 #[test]
 fn one_after_the_other_depends_on_the_order() {
     let place = Place::new();

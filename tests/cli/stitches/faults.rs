@@ -166,6 +166,18 @@ fn settings_out_of_range_are_refused_at_their_place() {
 }
 
 #[test]
+fn what_stands_behind_another_effect_brings_no_objects() {
+    let first = stitch(&format!("Seam(a: {LEFT}, b: {RIGHT})"));
+    let again = "Stitch(patches: [Piece(name: \"left\", object: «Grid(size: (1, 1))»)], seams: [Seam(\
+                 a: Edge(piece: \"left\", side: UMax), b: Edge(piece: \"left\", side: UMin))])";
+    refused(&format!("Stack([{first},\n{again}])"), &["only the first effect of a stack names the object"]);
+    // What it calls its pieces the first one must have.
+    let unknown = "Stitch(patches: [\"left\", «\"middle\"»], seams: [Seam(a: Edge(piece: \"left\", \
+                   from: (-0.2, 0, -1), to: (-0.2, 0, 1)), b: Edge(piece: \"middle\", loop: (0, 0, 0)))])";
+    refused(&format!("Stack([{first},\n{unknown}])"), &["there is no piece \"middle\""]);
+}
+
+#[test]
 fn without_pieces_there_is_nothing_to_sew() {
     let place = Place::new();
     let seam = format!("Seam(a: {LEFT}, b: {RIGHT})");

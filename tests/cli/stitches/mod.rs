@@ -4,6 +4,7 @@ mod corners;
 mod faults;
 mod meshes;
 mod objects;
+mod played;
 mod seams;
 mod stacks;
 mod tangent;
