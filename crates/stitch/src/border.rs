@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 /// A border, vertex after vertex, in the direction in which the face of its first edge goes round.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Border {
-    /// Each once; behind the last comes the first, unless it branches.
+    /// Behind the last comes the first, unless it branches. One that touches itself in a vertex has it more than once.
     pub(crate) vertices: Vec<u32>,
     /// A vertex in which three or more edges of border meet, so that there is no one way on.
     pub(crate) branch: Option<u32>,
@@ -21,7 +21,6 @@ pub fn border_loops(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
 #[derive(Clone, Copy, Debug)]
 struct Rim {
     ends: [u32; 2],
-    face: u32,
 }
 
 /// All borders of a surface, each from its vertex with the least number. Triangles without three vertices do not count.
@@ -40,13 +39,13 @@ pub(crate) fn borders(triangles: &[[u32; 3]]) -> Vec<Border> {
 
 /// The edges that only one face has, in order.
 fn rims(triangles: &[[u32; 3]]) -> Vec<Rim> {
-    let mut sides: Vec<([u32; 2], u32, [u32; 2])> = Vec::with_capacity(3 * triangles.len());
-    for (face, &[a, b, c]) in (0_u32..).zip(triangles).filter(|(_, [a, b, c])| a != b && b != c && c != a) {
-        sides.extend([[a, b], [b, c], [c, a]].map(|[u, v]| ([u.min(v), u.max(v)], face, [u, v])));
+    let mut sides: Vec<([u32; 2], [u32; 2])> = Vec::with_capacity(3 * triangles.len());
+    for &[a, b, c] in triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a) {
+        sides.extend([[a, b], [b, c], [c, a]].map(|[u, v]| ([u.min(v), u.max(v)], [u, v])));
     }
     sides.sort_unstable();
     let single = sides.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
-    let mut rims: Vec<Rim> = single.map(|same| Rim { ends: same[0].2, face: same[0].1 }).collect();
+    let mut rims: Vec<Rim> = single.map(|same| Rim { ends: same[0].1 }).collect();
     rims.sort_unstable_by_key(|rim| rim.ends);
     rims
 }
@@ -71,7 +70,7 @@ fn meetings(rims: &[Rim], triangles: &[[u32; 3]]) -> BTreeMap<u32, Vec<Vec<usize
     at.clone().into_iter().map(groups).collect()
 }
 
-/// The edges of border at a vertex, by the fan of faces that they bound.
+/// The edges of border at a vertex, by the fan of faces that they bound: those that hang together by edges at the vertex.
 fn fans(
     vertex: u32,
     edges: &[usize],
@@ -79,20 +78,27 @@ fn fans(
     rims: &[Rim],
     triangles: &[[u32; 3]],
 ) -> Vec<Vec<usize>> {
-    let mut fan_of: BTreeMap<u32, usize> = faces.iter().copied().zip(0..).collect();
-    let others = |face: u32| triangles[face as usize].into_iter().filter(move |other| *other != vertex);
-    // Faces that share an edge at the vertex are of one fan; a few at most, so that each may be held against each.
-    for (i, &one) in faces.iter().enumerate() {
-        for &two in &faces[..i] {
-            if others(one).any(|end| others(two).any(|other| other == end)) {
-                let (from, to) = (fan_of[&one], fan_of[&two]);
-                fan_of.values_mut().filter(|fan| **fan == from).for_each(|fan| *fan = to);
-            }
+    // By the far ends of edges at the vertex: each leads to another of its fan, and at last to the one that stands for it.
+    let mut leads: BTreeMap<u32, u32> = BTreeMap::new();
+    let find = |leads: &mut BTreeMap<u32, u32>, mut end: u32| {
+        while let Some(&next) = leads.get(&end).filter(|next| **next != end) {
+            let after = leads.get(&next).copied().unwrap_or(next);
+            leads.insert(end, after);
+            end = next;
+        }
+        end
+    };
+    for &face in faces {
+        let mut ends = triangles[face as usize].into_iter().filter(|other| *other != vertex);
+        if let (Some(one), Some(two)) = (ends.next(), ends.next()) {
+            let [one, two] = [one, two].map(|end| find(&mut leads, end));
+            leads.insert(one.max(two), one.min(two));
         }
     }
-    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for &edge in edges {
-        groups.entry(fan_of.get(&rims[edge].face).copied().unwrap_or(usize::MAX)).or_default().push(edge);
+        let [a, b] = rims[edge].ends;
+        groups.entry(find(&mut leads, a ^ b ^ vertex)).or_default().push(edge);
     }
     groups.into_values().collect()
 }
@@ -155,6 +161,27 @@ mod tests {
         let found = borders(&[[0, 1, 2], [2, 3, 4]]);
         assert_eq!(found.iter().map(|b| &b.vertices[..]).collect::<Vec<_>>(), [&[0, 1, 2][..], &[2, 3, 4]]);
         assert!(found.iter().all(|border| border.branch.is_none()));
+    }
+
+    #[test]
+    fn a_hole_that_touches_itself_is_one_border_and_large_fans_take_no_time() {
+        // Two square holes of a sheet that share a corner.
+        let mesh = grid([4.0, 4.0], [4, 4], [0.0, 1.0, 0.0]).unwrap();
+        let kept: Vec<[u32; 3]> = (0..)
+            .zip(mesh.triangles().unwrap())
+            .filter(|(i, _)| ![5, 10].contains(&(i / 2)))
+            .map(|(_, t)| t)
+            .collect();
+        let found = borders(&kept);
+        assert!(found.iter().all(|border| border.branch.is_none()));
+        assert_eq!(found.iter().map(|border| border.vertices.len()).sum::<usize>(), 16 + 8);
+        // A fan and a face beside it that shares the middle alone.
+        let n = 20_000_u32;
+        let fan = (1..n).map(|k| [0, k, k + 1]).chain([[0, n + 1, n + 2]]).collect::<Vec<_>>();
+        assert_eq!(
+            borders(&fan).iter().map(|border| border.vertices.len()).sum::<usize>(),
+            n as usize + 1 + 3
+        );
     }
 
     #[test]

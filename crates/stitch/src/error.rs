@@ -136,15 +136,17 @@ impl StitchError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StitchWarning {
-    /// Vertices of one side meet an edge of the other, not a vertex.
+    /// Vertices of one side meet an edge of the other, not a vertex, and the seam is curved there.
     #[error(
-        "seam {seam} has {vertices} vertices that meet an edge of the other side, not a vertex: hairline cracks may show where \
-         it is curved; `weld: true` gives both sides the same vertices [t-junction]"
+        "seam {seam} has {vertices} vertices that meet an edge of the other side, not a vertex: cracks of up to {widest} can show; \
+         `weld: true` gives both sides the same vertices [t-junction]"
     )]
     Junctions {
         /// The seam.
         seam: usize,
         /// How many vertices.
         vertices: usize,
+        /// The widest crack, where the seam is shut at 0 s.
+        widest: f32,
     },
 }

@@ -125,6 +125,7 @@ impl Seams {
             track.path.vertices.splice(next..next, points.iter().copied());
             track.t.splice(next..next, t);
         }
-        lay(&self.settings, tracks, Pieces { surfaces, list: Vec::new() })
+        tracks.iter_mut().flatten().filter(|track| track.path.closed).for_each(Track::sort);
+        lay(&self.settings, tracks, Pieces::new(surfaces))
     }
 }

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use crate::path::Path;
-use crate::settings::{Pairing, Reversed};
+use crate::settings::{Pairing, Reversed, Seam};
 use crate::surfaces::Surfaces;
 
 /// Samples that edges are compared by: enough for the turns that borders of garments take.
@@ -14,9 +14,11 @@ const SAMPLES: usize = 256;
 /// How much a nearest-point pairing keeps of the pairing by length, so that it goes on everywhere: without it stretches of one edge
 /// would belong to single points of the other.
 const SLOPE: f64 = 0.02;
-/// A vertex so near to one of the other edge, in parts of a segment there, is taken to belong to it: more than rounding of positions in
-/// f32 makes of equal fractions, and far less than shows.
+/// Vertices of the two edges that are so near to each other, in parts of the shortest segment beside them, are taken to belong together:
+/// more than rounding of positions in f32 makes of equal fractions, and far less than shows.
 const SNAP: f64 = 1e-3;
+/// The same where both edges are to get all vertices of either: what is nearer than this would make slivers, whose normals are noise.
+const WELD_SNAP: f64 = 0.2;
 
 /// A path with a parameter for each vertex.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,41 +36,27 @@ pub(crate) struct Place {
     pub(crate) x: f64,
 }
 
-/// Two paths with a common parameter.
-pub(crate) fn pair(
-    a: Path,
-    b: Path,
-    pairing: Pairing,
-    reversed: Reversed,
-    surfaces: &Surfaces<'_>,
-) -> [Track; 2] {
+/// Two paths with a common parameter. Where they are to be welded, vertices may be drawn a little along the seam to one another.
+pub(crate) fn pair(a: Path, b: Path, seam: &Seam, surfaces: &Surfaces<'_>) -> [Track; 2] {
     let by_length = |path: &Path| fractions(&path.lengths(surfaces), path.closed);
-    let own = |path: &Path| match pairing {
+    let own = |path: &Path| match seam.pairing {
         Pairing::ArcLength | Pairing::Closest => by_length(path),
         Pairing::Parameter => fractions(&vec![1.0; path.segments()], path.closed),
     };
     let a = Track { t: own(&a), path: a };
     let b = Track { t: own(&b), path: b };
-    let candidates = match reversed {
+    let candidates = match seam.reversed {
         Reversed::Given(reversed) => vec![turned(b, reversed)],
         Reversed::Auto => vec![turned(b.clone(), false), turned(b, true)],
     };
-    let shape = a.samples(surfaces);
-    let fit = |track: Track| started(&shape, track, surfaces);
-    let fitted: Vec<(f64, Track)> = candidates.into_iter().map(fit).collect();
+    let fitted = candidates.into_iter().map(|track| started(&a, track, surfaces));
     // Of equal ones the first: as the edges run.
-    let best = fitted.into_iter().reduce(|best, next| if next.0 < best.0 { next } else { best });
-    let b = best.map_or_else(|| a.clone(), |(_, track)| track);
-    let mut b = match pairing {
-        Pairing::Closest => Track { t: a.closest(&b, surfaces), ..b },
-        _ => b,
-    };
-    // What belongs together is to have the same parameter, not nearly so.
-    for t in &mut b.t {
-        if let Some(vertex) = a.vertex(a.place(*t)) {
-            *t = a.t[vertex];
-        }
+    let best = fitted.reduce(|best, next| if next.0 < best.0 { next } else { best });
+    let mut b = best.map_or_else(|| a.clone(), |(_, track)| track);
+    if seam.pairing == Pairing::Closest {
+        b.t = a.closest(&b, surfaces);
     }
+    a.draw(&mut b, if seam.weld { WELD_SNAP } else { SNAP });
     [a, b]
 }
 
@@ -105,57 +93,123 @@ fn turned(mut track: Track, reversed: bool) -> Track {
     track
 }
 
-/// The track of a loop from the vertex on at which it fits a shape best, and how well: the mean square of the distances.
-fn started(shape: &[DVec3], track: Track, surfaces: &Surfaces<'_>) -> (f64, Track) {
-    let fit = |samples: &[DVec3], shift: f64| -> f64 {
-        let at = |i: usize| lookup(samples, (i as f64 / SAMPLES as f64 + shift).fract());
-        let pairs = shape.iter().enumerate();
-        if track.path.closed {
-            pairs.map(|(i, p)| p.distance_squared(at(i))).sum()
-        } else {
-            shape.iter().zip(samples).map(|(p, q)| p.distance_squared(*q)).sum()
-        }
+/// A loop shifted so that it fits another track best, vertex to vertex; and how well a track fits, the sum of the squares of the
+/// distances.
+fn started(a: &Track, mut b: Track, surfaces: &Surfaces<'_>) -> (f64, Track) {
+    let [shape, samples] = [a, &b].map(|track| track.samples(surfaces));
+    // The point of `b` that is to have the parameter 0, in samples.
+    let fit = |shift: usize| -> f64 {
+        shape.iter().enumerate().map(|(i, p)| p.distance_squared(samples[(i + shift) % SAMPLES])).sum()
     };
-    let samples = track.samples(surfaces);
-    if !track.path.closed {
-        return (fit(&samples, 0.0), track);
+    if !b.path.closed {
+        return (fit(0), b);
     }
-    let fits = track.t.iter().map(|&t| fit(&samples, t)).enumerate();
-    let best = fits.reduce(|best, next| if next.1 < best.1 { next } else { best });
-    let Some((first, best)) = best else { return (0.0, track) };
-    let Track { mut path, mut t } = track;
-    let start = t[first];
-    path.vertices.rotate_left(first);
-    t.rotate_left(first);
-    for t in &mut t {
-        *t = (*t - start).rem_euclid(1.0);
+    let fits: Vec<f64> = (0..SAMPLES).map(fit).collect();
+    let best = (0..SAMPLES).fold(0, |best, shift| if fits[shift] < fits[best] { shift } else { best });
+    // The least of a parabola through it and its neighbours.
+    let [before, here, after] = [SAMPLES - 1, 0, 1].map(|step| fits[(best + step) % SAMPLES]);
+    let bend = before - 2.0 * here + after;
+    let between = if bend > 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+    let shift = (best as f64 + between) / SAMPLES as f64;
+    // A vertex of the one comes to a vertex of the other, whichever takes the least turning.
+    let off = |turn: f64| turn - turn.round();
+    let mut least = (f64::INFINITY, 0.0);
+    for own in &a.t {
+        for other in &b.t {
+            let turn = off(other - own - shift);
+            if turn.abs() < least.0 - 1e-9 {
+                least = (turn.abs(), shift + turn);
+            }
+        }
     }
-    (best, Track { path, t })
-}
-
-/// A closed list of samples at a fraction.
-fn lookup(samples: &[DVec3], t: f64) -> DVec3 {
-    let x = t * samples.len() as f64;
-    let i = x.floor() as usize % samples.len();
-    samples[i].lerp(samples[(i + 1) % samples.len()], x - x.floor())
+    b.shift(least.1);
+    (here, b)
 }
 
 impl Track {
     /// Where a parameter lies.
     pub(crate) fn place(&self, t: f64) -> Place {
+        let count = self.t.len();
         let next = self.t.partition_point(|own| *own <= t);
-        let segment = next.saturating_sub(1).min(self.path.segments().saturating_sub(1));
-        let start = self.t[segment];
-        let end = self.t.get(segment + 1).copied().unwrap_or(1.0);
-        let x = if end > start { ((t - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
-        let x = if x < SNAP {
-            0.0
-        } else if x > 1.0 - SNAP {
-            1.0
-        } else {
-            x
+        // On a loop what is before the first vertex is behind the last.
+        let (segment, t) = match next {
+            0 if self.path.closed => (count - 1, t + 1.0),
+            0 => (0, t),
+            _ => ((next - 1).min(self.path.segments().saturating_sub(1)), t),
         };
+        let start = self.t[segment];
+        let end = self.end(segment);
+        let x = if end > start { ((t - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
         Place { segment, x }
+    }
+
+    /// The parameter at which a segment ends; of the last one of a loop beyond 1.
+    fn end(&self, segment: usize) -> f64 {
+        self.t.get(segment + 1).copied().unwrap_or_else(|| 1.0 + self.t.first().copied().unwrap_or(0.0))
+    }
+
+    /// The shortest segment at a vertex, in the parameter.
+    fn least(&self, vertex: usize) -> f64 {
+        let segments = self.path.segments();
+        let before = match vertex {
+            0 if self.path.closed => Some(segments - 1),
+            _ => vertex.checked_sub(1),
+        };
+        let after = (vertex < segments).then_some(vertex);
+        let length = |segment: usize| self.end(segment) - self.t[segment];
+        before.into_iter().chain(after).map(length).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Gives vertices of another track that are near to one of this the parameter of that.
+    fn draw(&self, other: &mut Track, snap: f64) {
+        let last = other.t.len() - 1;
+        for vertex in 0..other.t.len() {
+            let t = other.t[vertex];
+            // The ends of runs belong to each other.
+            if !self.path.closed && (vertex == 0 || vertex == last) {
+                continue;
+            }
+            let Place { segment, x } = self.place(t);
+            let near = if x < 0.5 { segment } else { segment + 1 };
+            let (own, to) = match self.t.get(near) {
+                Some(&own) => (near, own),
+                None => (0, self.end(segment)),
+            };
+            if (!self.path.closed && (own == 0 || own + 1 == self.t.len())) || to > 1.0 {
+                continue;
+            }
+            // Of less than half of every segment, so that no two are drawn to one.
+            let room = self.least(own).min(other.least(vertex));
+            if (t - to).abs() <= snap * room {
+                other.t[vertex] = to;
+            }
+        }
+    }
+
+    /// Shifts a loop so that what has the parameter `by` gets 0.
+    fn shift(&mut self, by: f64) {
+        let moved: Vec<f64> = self.t.iter().map(|t| (t - by).rem_euclid(1.0)).collect();
+        let first = (0..moved.len()).fold(0, |first, i| if moved[i] < moved[first] { i } else { first });
+        self.path.vertices.rotate_left(first);
+        self.t = moved;
+        self.t.rotate_left(first);
+        // Points at one place before the first come to 0, too; they are the last.
+        for i in 1..self.t.len() {
+            if self.t[i] < self.t[i - 1] {
+                self.t[i] += 1.0;
+            }
+        }
+    }
+
+    /// Brings the vertices of a loop into the order of their parameters.
+    pub(crate) fn sort(&mut self) {
+        let Some(first) =
+            (0..self.t.len()).reduce(|first, i| if self.t[i] < self.t[first] { i } else { first })
+        else {
+            return;
+        };
+        self.path.vertices.rotate_left(first);
+        self.t.rotate_left(first);
     }
 
     /// The vertex at a place, if there is one.
@@ -210,7 +264,7 @@ impl Track {
             let x = if square > 0.0 { ((p - a).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
             let off = (a + along * x).distance_squared(p);
             if off < best.0 {
-                let end = self.t.get(segment + 1).copied().unwrap_or(1.0);
+                let end = self.end(segment);
                 best = (off, self.t[segment] + (end - self.t[segment]) * x);
             }
         }

@@ -47,7 +47,7 @@ pub struct Pin {
 /// A setting out of range; an edge that is not there or has no length; seams that take the same stretch of a border.
 pub fn seams(surfaces: &Surfaces<'_>, settings: &Stitch) -> Result<Seams, StitchError> {
     settings.check()?;
-    let mut pieces = Pieces { surfaces, list: Vec::new() };
+    let mut pieces = Pieces::new(surfaces);
     let paths = paths(settings, &mut pieces)?;
     check_crossings(&paths)?;
     let mut tracks = Vec::with_capacity(paths.len());
@@ -55,7 +55,7 @@ pub fn seams(surfaces: &Surfaces<'_>, settings: &Stitch) -> Result<Seams, Stitch
         if a.closed != b.closed {
             return Err(StitchError::LoopAndRun { seam: index });
         }
-        tracks.push(pair(a, b, seam.pairing, seam.reversed, surfaces));
+        tracks.push(pair(a, b, seam, surfaces));
     }
     lay(settings, tracks, pieces)
 }
@@ -71,12 +71,13 @@ pub(crate) fn lay(
     for (index, (seam, tracks)) in settings.seams.iter().zip(tracks).enumerate() {
         let radius = seam.radius.values().copied().fold(0.0, f32::max);
         let mut side = |side: SeamSide, own: &Track, other: &Track| {
-            let piece = pieces.get(seam.edge(side).piece);
+            let fail = |fault| StitchError::Edge { seam: index, side, fault };
+            let number = seam.edge(side).piece;
+            let piece = pieces.get(number).ok_or_else(|| fail(EdgeFault::NoPiece(number)))?;
             let beside = (seam.a.piece == seam.b.piece).then_some(&other.path.vertices[..]);
-            near.push(piece.near(surfaces, &own.path.vertices, beside, radius));
+            near.push(piece.near(&own.path.vertices, beside, radius));
             let fans = piece.fans(&own.path.vertices);
-            let fault = |_| StitchError::Edge { seam: index, side, fault: EdgeFault::NoLength };
-            Side::new(own.clone(), other, fans, surfaces.positions).map_err(fault)
+            Side::new(own.clone(), other, fans, surfaces.positions).map_err(|_| fail(EdgeFault::NoLength))
         };
         let [a, b] = &tracks;
         sides.push([side(SeamSide::A, a, b)?, side(SeamSide::B, b, a)?]);
@@ -93,11 +94,8 @@ fn paths(settings: &Stitch, pieces: &mut Pieces<'_>) -> Result<Vec<[Path; 2]>, S
     let mut path = |seam: usize, side: SeamSide| {
         let edge = settings.seams[seam].edge(side);
         let fail = |fault| StitchError::Edge { seam, side, fault };
-        let known = surfaces.sides.len().max(usize::from(surfaces.piece_of.is_empty()));
-        if edge.piece >= known {
-            return Err(fail(EdgeFault::NoPiece(edge.piece)));
-        }
-        Path::of(edge, pieces.get(edge.piece), surfaces).map_err(fail)
+        let piece = pieces.get(edge.piece).ok_or_else(|| fail(EdgeFault::NoPiece(edge.piece)))?;
+        Path::of(edge, piece, surfaces).map_err(fail)
     };
     (0..settings.seams.len()).map(|seam| Ok([path(seam, SeamSide::A)?, path(seam, SeamSide::B)?])).collect()
 }
@@ -116,8 +114,10 @@ fn check_crossings(paths: &[[Path; 2]]) -> Result<(), StitchError> {
     };
     for (seam, side, path) in all() {
         for &vertex in path.inner() {
-            if let Some((other, _)) = taken.insert(vertex, (seam, side)) {
-                return Err(clash(seam, other));
+            match taken.insert(vertex, (seam, side)) {
+                // A border may touch itself.
+                Some(before) if before != (seam, side) => return Err(clash(seam, before.0)),
+                _ => {}
             }
         }
     }
@@ -141,22 +141,33 @@ fn check_crossings(paths: &[[Path; 2]]) -> Result<(), StitchError> {
     Ok(())
 }
 
-/// Seams on which vertices of one edge have none on the other.
+/// Cracks narrower than this part of the seam are rounding.
+const CRACK: f64 = 1e-5;
+
+/// Seams on which vertices of one edge have none on the other, so that cracks show; at 0 s.
 fn junctions(settings: &Stitch, sides: &[Sides]) -> Vec<StitchWarning> {
-    let lone = |sides: &Sides| -> usize {
-        let of = |own: usize| {
-            let other = &sides[1 - own].track;
-            sides[own].other.iter().filter(|place| other.vertex(**place).is_none()).count()
-        };
-        of(0) + of(1)
-    };
-    let seams = settings.seams.iter().zip(sides).enumerate().filter(|(_, (seam, _))| !seam.weld);
-    let told = |(index, (_, sides)): (usize, (_, &Sides))| (index, lone(sides));
-    seams
-        .map(told)
-        .filter(|(_, vertices)| *vertices > 0)
-        .map(|(seam, vertices)| StitchWarning::Junctions { seam, vertices })
-        .collect()
+    let moments: Vec<Moment> = settings.seams.iter().map(|seam| Moment::of(seam, 0.0)).collect();
+    let targets = seams_alone(sides, &moments);
+    let mut warnings = Vec::new();
+    for (seam, (sides, targets)) in sides.iter().zip(&targets).enumerate() {
+        let length: f64 = targets[0].seam.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+        let (mut vertices, mut widest) = (0, 0.0_f64);
+        for own in [0, 1].into_iter().filter(|_| !settings.seams[seam].weld) {
+            let (other, track) = (&targets[1 - own].seam, &sides[1 - own].track);
+            let lone = sides[own].other.iter().zip(&targets[own].seam);
+            for (place, p) in lone.filter(|(place, _)| track.vertex(**place).is_none()) {
+                let next = other[(place.segment + 1) % other.len()];
+                let width = other[place.segment].lerp(next, place.x).distance(*p);
+                if width > CRACK * length {
+                    (vertices, widest) = (vertices + 1, widest.max(width));
+                }
+            }
+        }
+        if vertices > 0 {
+            warnings.push(StitchWarning::Junctions { seam, vertices, widest: widest as f32 });
+        }
+    }
+    warnings
 }
 
 impl Seams {
@@ -229,7 +240,7 @@ impl Seams {
         wire.amplitude = seam.closure.at(seconds);
         let Ok(pose) = wire.reference.posed(wire.pose.clone()) else { return };
         let (smooth, torn) = (seam.continuity == Continuity::Tangent, !seam.tears.is_empty());
-        let held = rotations(side, &pose, f64::from(wire.radius)).filter(|_| torn || !smooth);
+        let held = if torn || !smooth { rotations(side, &pose, f64::from(wire.radius)) } else { None };
         if held.is_some() || torn || !wire.locators.is_empty() {
             let values = held.unwrap_or_else(|| vec![1.0; side.own.len()]);
             along(wire, side, values, |locator, value| locator.rotation = Some(value));

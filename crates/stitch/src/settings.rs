@@ -130,7 +130,7 @@ pub enum Continuity {
 /// A tear: a stretch of a seam that is open. [`Tear::new`] has the defaults.
 ///
 /// It multiplies the closure of the seam by `1 − opening·(1 − x²)²`, `x` the distance from `at` in halves of `width`; where several
-/// tears overlap, each does.
+/// tears overlap, each does, and edges gape as by the one that draws them most.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tear {
     /// Its middle, as a fraction of the seam, 0 to 1.

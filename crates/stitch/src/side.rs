@@ -60,9 +60,20 @@ impl Side {
     fn measure(&mut self, positions: &[[f32; 3]]) {
         self.own = self.reference.points().iter().map(|p| wide(*p)).collect();
         let tangents = self.reference.at(self.parameters());
-        let vertices = self.fans.iter().zip(&self.own).zip(tangents);
-        self.frames =
-            vertices.map(|((fan, p), (_, along))| frame(fan, *p, along.into(), positions)).collect();
+        let path = &self.track.path;
+        let count = path.vertices.len();
+        // The vertices before and behind on the edge.
+        let beside = |i: usize| {
+            let before =
+                if i > 0 || path.closed { Some(path.vertices[(i + count - 1) % count]) } else { None };
+            let after =
+                if i + 1 < count || path.closed { Some(path.vertices[(i + 1) % count]) } else { None };
+            [before, after]
+        };
+        let vertices = self.fans.iter().zip(&self.own).zip(tangents).enumerate();
+        self.frames = vertices
+            .map(|(i, ((fan, p), (_, along)))| frame(fan, beside(i), *p, along.into(), positions))
+            .collect();
     }
 
     /// The parameter of each vertex on the curve through them.
@@ -115,13 +126,23 @@ fn vertices(track: &Track, positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
     track.path.vertices.iter().map(|vertex| at(vertex).unwrap_or_default()).collect()
 }
 
-fn frame(fan: &[[u32; 3]], p: DVec3, along: DVec3, positions: &[[f32; 3]]) -> Frame {
+/// How the surface stands at a vertex `p` with these triangles. Which way leads into it is said by those along the edge alone: where the
+/// edge ends in a slit there are others all round.
+fn frame(
+    fan: &[[u32; 3]],
+    beside: [Option<u32>; 2],
+    p: DVec3,
+    along: DVec3,
+    positions: &[[f32; 3]],
+) -> Frame {
     let (mut normal, mut middle) = (DVec3::ZERO, DVec3::ZERO);
     for triangle in fan {
         let [a, b, c] = triangle.map(|v| positions.get(v as usize).map_or(p, |q| wide(*q)));
         let area = (b - a).cross(c - a);
         normal += area;
-        middle += ((a + b + c) / 3.0 - p) * area.length();
+        if beside.iter().flatten().any(|next| triangle.contains(next)) {
+            middle += ((a + b + c) / 3.0 - p) * area.length();
+        }
     }
     let normal = normal.reject_from_normalized(along).normalize_or_zero();
     let across = normal.cross(along);

@@ -1,7 +1,5 @@
 //! The surfaces under a stitch: pieces of one list of points.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use wirework_surface::{Near, NearBuffer, Step, Terrain};
 
@@ -27,85 +25,100 @@ pub struct Surfaces<'a> {
 /// One piece by itself.
 pub(crate) struct Piece {
     /// Its points, rising.
-    pub(crate) points: Vec<u32>,
-    /// Its triangles, by those.
-    triangles: Vec<[u32; 3]>,
+    points: Vec<u32>,
     pub(crate) borders: Vec<Border>,
     /// Its largest extent.
     pub(crate) size: f32,
+    /// Its surface, on its own points; none without faces.
+    terrain: Option<Terrain>,
+    buffer: NearBuffer,
 }
 
 /// Pieces by their numbers, each taken out when it is asked for.
 pub(crate) struct Pieces<'a> {
     pub(crate) surfaces: &'a Surfaces<'a>,
-    pub(crate) list: Vec<Option<Piece>>,
+    list: Vec<Option<Piece>>,
+    /// The points of each piece, rising, and its triangles by those.
+    parts: Vec<(Vec<u32>, Vec<[u32; 3]>)>,
 }
 
-impl Pieces<'_> {
-    pub(crate) fn get(&mut self, number: usize) -> &Piece {
-        if self.list.len() <= number {
-            self.list.resize_with(number + 1, || None);
+impl<'a> Pieces<'a> {
+    pub(crate) fn new(surfaces: &'a Surfaces<'a>) -> Self {
+        let count = surfaces.sides.len().max(usize::from(surfaces.piece_of.is_empty()));
+        let mut parts = vec![(Vec::new(), Vec::new()); count];
+        let piece_of = |point: u32| match surfaces.piece_of.get(point as usize) {
+            Some(&piece) => piece as usize,
+            None if surfaces.piece_of.is_empty() => 0,
+            None => usize::MAX,
+        };
+        let mut numbers = Vec::with_capacity(surfaces.positions.len());
+        for point in 0..surfaces.positions.len() as u32 {
+            let points = parts.get_mut(piece_of(point)).map(|(points, _)| points);
+            numbers.push(points.as_ref().map_or(0, |points| points.len() as u32));
+            points.into_iter().for_each(|points| points.push(point));
         }
-        self.list[number].get_or_insert_with(|| self.surfaces.piece(number))
+        for triangle in surfaces.triangles {
+            let [a, b, c] = triangle.map(piece_of);
+            if let Some((_, triangles)) = parts.get_mut(a).filter(|_| a == b && b == c) {
+                triangles.push(triangle.map(|point| numbers[point as usize]));
+            }
+        }
+        Self { surfaces, list: (0..count).map(|_| None).collect(), parts }
+    }
+
+    /// A piece; none that is not there.
+    pub(crate) fn get(&mut self, number: usize) -> Option<&mut Piece> {
+        let (surfaces, part) = (self.surfaces, self.parts.get_mut(number)?);
+        let slot = self.list.get_mut(number)?;
+        Some(slot.get_or_insert_with(|| Piece::new(surfaces, std::mem::take(part))))
     }
 }
 
 impl Surfaces<'_> {
-    /// Takes one piece out.
-    pub(crate) fn piece(&self, piece: usize) -> Piece {
-        let is_own = |point: u32| match self.piece_of.get(point as usize) {
-            Some(&of) => of as usize == piece,
-            None => self.piece_of.is_empty() && piece == 0,
-        };
-        let points: Vec<u32> = (0..self.positions.len() as u32).filter(|&point| is_own(point)).collect();
-        let mut numbers = vec![u32::MAX; self.positions.len()];
-        points.iter().zip(0..).for_each(|(&point, number)| numbers[point as usize] = number);
-        let number = |point: u32| numbers.get(point as usize).copied().filter(|number| *number != u32::MAX);
-        let own = |t: &[u32; 3]| Some([number(t[0])?, number(t[1])?, number(t[2])?]);
-        let triangles: Vec<[u32; 3]> = self.triangles.iter().filter_map(own).collect();
-        let mut borders = borders(&triangles);
-        for border in &mut borders {
-            border.vertices.iter_mut().for_each(|vertex| *vertex = points[*vertex as usize]);
-            border.branch = border.branch.map(|vertex| points[vertex as usize]);
-        }
-        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for &point in &points {
-            let p = self.at(point);
-            (min, max) = (min.min(p), max.max(p));
-        }
-        let size = if points.is_empty() { 0.0 } else { (max - min).length() as f32 };
-        Piece { points, triangles, borders, size }
-    }
-
     pub(crate) fn at(&self, point: u32) -> DVec3 {
         self.positions.get(point as usize).map_or(DVec3::ZERO, |p| wide(*p))
     }
 }
 
 impl Piece {
+    fn new(surfaces: &Surfaces<'_>, (points, triangles): (Vec<u32>, Vec<[u32; 3]>)) -> Self {
+        let mut borders = borders(&triangles);
+        for border in &mut borders {
+            border.vertices.iter_mut().for_each(|vertex| *vertex = points[*vertex as usize]);
+            border.branch = border.branch.map(|vertex| points[vertex as usize]);
+        }
+        let positions: Vec<[f32; 3]> =
+            points.iter().map(|&point| surfaces.positions[point as usize]).collect();
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for p in positions.iter().map(|p| wide(*p)) {
+            (min, max) = (min.min(p), max.max(p));
+        }
+        let size = if points.is_empty() { 0.0 } else { (max - min).length() as f32 };
+        let terrain = Terrain::unwelded(&positions, &triangles).ok();
+        Self { points, borders, size, terrain, buffer: NearBuffer::default() }
+    }
+
+    fn local(&self, point: u32) -> Option<u32> {
+        self.points.binary_search(&point).ok().map(|local| local as u32)
+    }
+
+    fn line(&self, path: &[u32]) -> Vec<Step> {
+        let terrain = self.terrain.as_ref();
+        path.iter().filter_map(|&point| terrain?.at_vertex(self.local(point)?)).collect()
+    }
+
     /// What the piece leads to within `radius` of some of its points in a row; all of it where it has no faces. With another such row it is
     /// shared between the two: where a slit is shut, the cloth on either side is to follow its own edge.
-    pub(crate) fn near(
-        &self,
-        surfaces: &Surfaces<'_>,
-        path: &[u32],
-        beside: Option<&[u32]>,
-        radius: f32,
-    ) -> Near {
-        let positions: Vec<[f32; 3]> =
-            self.points.iter().map(|&point| surfaces.positions[point as usize]).collect();
-        let Ok(terrain) = Terrain::unwelded(&positions, &self.triangles) else {
+    pub(crate) fn near(&mut self, path: &[u32], beside: Option<&[u32]>, radius: f32) -> Near {
+        let (line, radius) = (self.line(path), f64::from(radius));
+        let other = beside.map(|beside| self.line(beside));
+        let Some(terrain) = &self.terrain else {
             return Near { vertices: self.points.clone(), factors: Vec::new() };
         };
-        let local = |point: &u32| self.points.binary_search(point).ok().map(|local| local as u32);
-        let line = |path: &[u32]| -> Vec<Step> {
-            path.iter().filter_map(local).filter_map(|v| terrain.at_vertex(v)).collect()
-        };
-        let (radius, mut buffer) = (f64::from(radius), NearBuffer::default());
-        let mut near = terrain.near(&line(path), radius, &mut buffer);
-        if let Some(beside) = beside {
+        let mut near = terrain.near(&line, radius, &mut self.buffer);
+        if let Some(other) = other {
             let [own, other] =
-                [path, beside].map(|path| terrain.ways(&line(path), REACH * radius, &mut buffer));
+                [line, other].map(|line| terrain.ways(&line, REACH * radius, &mut self.buffer));
             share(&mut near, &own, &other);
         }
         near.vertices.iter_mut().for_each(|vertex| *vertex = self.points[*vertex as usize]);
@@ -114,17 +127,12 @@ impl Piece {
 
     /// The triangles of the piece at each of some of its points.
     pub(crate) fn fans(&self, path: &[u32]) -> Vec<Vec<[u32; 3]>> {
-        let places: BTreeMap<u32, usize> = path.iter().copied().zip(0..).collect();
-        let mut fans = vec![Vec::new(); path.len()];
-        for triangle in &self.triangles {
-            let triangle = triangle.map(|v| self.points[v as usize]);
-            for vertex in triangle {
-                if let Some(&place) = places.get(&vertex) {
-                    fans[place].push(triangle);
-                }
-            }
-        }
-        fans
+        let fan = |&point: &u32| {
+            let (Some(terrain), Some(local)) = (&self.terrain, self.local(point)) else { return Vec::new() };
+            let corners = |&triangle: &u32| terrain.places_of(triangle).map(|v| self.points[v as usize]);
+            terrain.fan(local).iter().map(corners).collect()
+        };
+        path.iter().map(fan).collect()
     }
 }
 

@@ -37,18 +37,21 @@ pub(crate) fn corner_normals(
 ) -> EndNormals {
     let mut out = vec![[None; 2]; seams.len()];
     let is_smooth = |end: &&End| settings[end.seam].continuity == Continuity::Tangent;
+    let normal = |end: End| -> DVec3 {
+        let both = seams[end.seam].iter().zip(&targets[end.seam]);
+        both.map(|(side, target)| end_of(&side.frames, end).bent(leaving(&target.seam, end.last)).normal)
+            .sum()
+    };
     for corner in corners {
-        let mut sum = DVec3::ZERO;
-        let mut total = 0.0;
-        for end in corner.iter().filter(is_smooth) {
-            for (side, target) in seams[end.seam].iter().zip(&targets[end.seam]) {
-                let weight = moments[end.seam].closure;
-                sum += end_of(&side.frames, *end).bent(leaving(&target.seam, end.last)).normal * weight;
-                total += weight;
-            }
-        }
-        if corner.iter().filter(is_smooth).count() > 1 && sum.length() > CANCELLED * total {
-            for end in corner.iter().filter(is_smooth) {
+        let smooth: Vec<bool> = corner.ends.iter().map(|end| is_smooth(&end)).collect();
+        let own: Vec<DVec3> = corner.ends.iter().map(|end| normal(*end)).collect();
+        for ((i, end), weights) in
+            corner.ends.iter().enumerate().zip(corner.weights(|seam| moments[seam].closure))
+        {
+            let others = || (0..own.len()).filter(|&j| smooth[j] && weights[j] > 0.0);
+            let sum: DVec3 = others().map(|j| own[j] * weights[j]).sum();
+            let total: f64 = others().map(|j| 2.0 * weights[j]).sum();
+            if smooth[i] && others().count() > 1 && sum.length() > CANCELLED * total {
                 out[end.seam][end.index()] = sum.try_normalize();
             }
         }

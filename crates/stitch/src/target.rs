@@ -2,7 +2,7 @@
 //!
 //! Of one seam with `a(t)` and `b(t)` the edges by the common parameter, the seam is `S(t) = (1 − bias)·a(t) + bias·b(t)`. Where ends of
 //! seams meet they are drawn to their mean `C`, and each seam follows linearly: `S(t) + (1 − t)(C₀ − S(0)) + t(C₁ − S(1))`. A
-//! seam of closure `c` counts `c` times in that mean, so that one that is apart is as none.
+//! seam of closure `c` counts `c` times in that mean, and joins others through itself as far only, so that one that is apart is as none.
 
 use glam::DVec3;
 
@@ -56,7 +56,7 @@ pub(crate) type Targets = [Target; 2];
 /// `S` by itself at the vertices of both edges.
 pub(crate) fn seams_alone(seams: &[Sides], moments: &[Moment]) -> Vec<Targets> {
     let of = |(sides, moment): (&Sides, &Moment)| {
-        [0, 1].map(|own| {
+        let mut both = [0, 1].map(|own| {
             let (side, other) = (&sides[own], &sides[1 - own]);
             let share = share(own, moment.bias);
             let across = other.points_at(&side.other);
@@ -64,7 +64,15 @@ pub(crate) fn seams_alone(seams: &[Sides], moments: &[Moment]) -> Vec<Targets> {
             let closed = side.track.path.closed;
             let gaps = side.track.t.iter().map(|&t| gap(&moment.tears, t, closed)).collect();
             Target { seam, gaps, goal: Vec::new() }
-        })
+        });
+        // Where both have a vertex, the very bits.
+        let [a, b] = &mut both;
+        for (p, place) in b.seam.iter_mut().zip(&sides[1].other) {
+            if let Some(vertex) = sides[0].track.vertex(*place) {
+                *p = a.seam[vertex];
+            }
+        }
+        both
     };
     seams.iter().zip(moments).map(of).collect()
 }
@@ -78,16 +86,18 @@ pub(crate) fn share(side: usize, bias: f64) -> f64 {
 pub(crate) fn meet(seams: &[Sides], moments: &[Moment], corners: &[Corner], targets: &mut [Targets]) {
     let mut shifts = vec![[DVec3::ZERO; 2]; seams.len()];
     let mut points: Vec<[Option<DVec3>; 2]> = vec![[None; 2]; seams.len()];
-    for corner in corners {
-        let total: f64 = corner.iter().map(|end| moments[end.seam].closure).sum();
-        if corner.len() < 2 || total <= 0.0 {
-            continue;
-        }
-        let own = |end: &End| end_of(&targets[end.seam][0].seam, *end);
-        let sum: DVec3 = corner.iter().map(|end| own(end) * moments[end.seam].closure).sum();
-        for end in corner {
-            shifts[end.seam][end.index()] = sum / total - own(end);
-            points[end.seam][end.index()] = Some(sum / total);
+    for corner in corners.iter().filter(|corner| corner.ends.len() > 1) {
+        let own: Vec<DVec3> =
+            corner.ends.iter().map(|end| end_of(&targets[end.seam][0].seam, *end)).collect();
+        for ((end, weights), p) in
+            corner.ends.iter().zip(corner.weights(|seam| moments[seam].closure)).zip(&own)
+        {
+            let total: f64 = weights.iter().sum();
+            if total > 0.0 {
+                let mean = own.iter().zip(&weights).map(|(p, weight)| *p * *weight).sum::<DVec3>() / total;
+                shifts[end.seam][end.index()] = mean - *p;
+                points[end.seam][end.index()] = Some(mean);
+            }
         }
     }
     for (((sides, target), [first, last]), points) in seams.iter().zip(targets).zip(shifts).zip(points) {
@@ -130,9 +140,9 @@ pub(crate) fn tear(seams: &[Sides], targets: &mut [Targets]) {
 /// Where a seam is torn at its end and others hold the corner, the tear's edges come to the corner, and go their own way from there.
 pub(crate) fn hold(seams: &[Sides], moments: &[Moment], corners: &[Corner], targets: &mut [Targets]) {
     for corner in corners {
-        let edges = || corner.iter().flat_map(|&end| [(end, 0), (end, 1)]);
+        let edges = || corner.ends.iter().flat_map(|&end| [(end, 0), (end, 1)]);
         let torn = edges().any(|(end, side)| end_of(&targets[end.seam][side].gaps, end).open > 0.0);
-        if !torn || corner.len() < 2 {
+        if !torn {
             continue;
         }
         let vertex = |(end, side): (End, usize)| end_of(&seams[end.seam][side].track.path.vertices, end);

@@ -48,11 +48,14 @@ impl TearNow {
     }
 }
 
-/// What all tears make of a seam at `t`: each multiplies what is left of the closure.
+/// What all tears make of a seam at `t`: each multiplies what is left of the closure; edges are drawn as far into their surface as by the one
+/// that draws most.
 pub(crate) fn gap(tears: &[TearNow], t: f64, closed: bool) -> Gap {
     let add = |gap: Gap, tear: &TearNow| {
         let open = tear.open(t, closed);
-        Gap { open: gap.open + (1.0 - gap.open) * open, gape: gap.gape + tear.gape * open }
+        let gape = tear.gape * open;
+        let gape = if gape.abs() > gap.gape.abs() { gape } else { gap.gape };
+        Gap { open: gap.open + (1.0 - gap.open) * open, gape }
     };
     tears.iter().fold(Gap::default(), add)
 }

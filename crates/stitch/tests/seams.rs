@@ -49,7 +49,10 @@ fn a_closed_seam_leaves_no_gap_and_reaches_no_farther_than_its_radius() {
 fn both_edges_lie_on_one_curve_whatever_their_vertices() {
     let cloth = two([24, 31]);
     let mut seams = cloth.lay(&stitch(vec![Seam { pairing: Pairing::Parameter, ..middle() }])).unwrap();
-    assert_eq!(seams.warnings(), [StitchWarning::Junctions { seam: 0, vertices: 23 + 30 }]);
+    let [StitchWarning::Junctions { seam: 0, vertices, widest }] = seams.warnings() else {
+        panic!("{:?}", seams.warnings());
+    };
+    assert!((20..=53).contains(vertices) && (1e-5..1e-3).contains(widest), "{vertices} {widest}");
     let out = run(&cloth, &mut seams, 0.0);
     // The mean of both edges, which for these patches is a cubic that 24 pieces follow closely.
     let fine = two([744, 744]);
