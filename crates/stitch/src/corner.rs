@@ -40,8 +40,8 @@ impl Corner {
             return vec![vec![1.0; count]; count];
         }
         let mut ways = vec![vec![0.0_f64; count]; count];
-        for i in 0..count {
-            ways[i][i] = 1.0;
+        for (i, way) in ways.iter_mut().enumerate() {
+            way[i] = 1.0;
         }
         for &[i, j] in &self.links {
             (ways[i][j], ways[j][i]) = (1.0, 1.0);

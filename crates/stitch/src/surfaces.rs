@@ -53,9 +53,12 @@ impl<'a> Pieces<'a> {
         };
         let mut numbers = Vec::with_capacity(surfaces.positions.len());
         for point in 0..surfaces.positions.len() as u32 {
-            let points = parts.get_mut(piece_of(point)).map(|(points, _)| points);
-            numbers.push(points.as_ref().map_or(0, |points| points.len() as u32));
-            points.into_iter().for_each(|points| points.push(point));
+            let Some((points, _)) = parts.get_mut(piece_of(point)) else {
+                numbers.push(0);
+                continue;
+            };
+            numbers.push(points.len() as u32);
+            points.push(point);
         }
         for triangle in surfaces.triangles {
             let [a, b, c] = triangle.map(piece_of);

@@ -9,8 +9,6 @@
 //! In a corner the planes of all seams must agree: seams are bent so that they leave it in the plane of the mean normal there, and the
 //! twists are such that the surfaces lie in it.
 
-use std::f64::consts::{PI, TAU};
-
 use glam::DVec3;
 use wirework_core::Curve;
 
@@ -106,11 +104,12 @@ pub(crate) fn twists(
     let bent: Vec<[Frame; 2]> = (0..tangents.len())
         .map(|i| [side.frames[i], other.frame_at(side.other[i])].map(|frame| frame.bent(tangents[i])))
         .collect();
-    let mut turns: Vec<f64> =
-        bent.iter().zip(&tangents).map(|([v, w], along)| angle(v.inward, -w.inward, *along)).collect();
-    unwrap(&mut turns, &bent, &tangents);
     let share = share(own, bias);
-    let mut twists: Vec<f64> = turns.iter().map(|turn| turn * share).collect();
+    let turn = |(both, along): (&[Frame; 2], &DVec3)| {
+        let [v, w] = both;
+        bulge(angle(v.inward, -w.inward, *along), both, *along) * share
+    };
+    let mut twists: Vec<f64> = bent.iter().zip(&tangents).map(turn).collect();
     let t = &side.track.t;
     for (end, normal) in normals.iter().enumerate() {
         let at = if end == 0 { 0 } else { twists.len() - 1 };
@@ -136,20 +135,11 @@ fn turned(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
     v * angle.cos() + axis.cross(v) * angle.sin()
 }
 
-/// Continues angles along the edge from the least one. Of folds that are nearly shut everywhere, the way that the outsides bulge.
-fn unwrap(turns: &mut [f64], bent: &[[Frame; 2]], tangents: &[DVec3]) {
-    let least = (0..turns.len()).min_by(|&i, &j| turns[i].abs().total_cmp(&turns[j].abs()));
-    let Some(least) = least else { return };
-    if turns[least].abs() > FOLDED {
-        let frame = &bent[least][0];
-        let outwards = tangents[least].dot(frame.inward.cross(frame.normal));
-        turns[least] = turns[least].abs().copysign(outwards);
+/// Gives a fold that is nearly shut the sign with which the outsides bulge: rounding would give it either.
+fn bulge(turn: f64, [own, _]: &[Frame; 2], along: DVec3) -> f64 {
+    if turn.abs() <= FOLDED {
+        return turn;
     }
-    let near = |turn: f64, before: f64| turn - TAU * ((turn - before + PI) / TAU).floor();
-    for i in least + 1..turns.len() {
-        turns[i] = near(turns[i], turns[i - 1]);
-    }
-    for i in (0..least).rev() {
-        turns[i] = near(turns[i], turns[i + 1]);
-    }
+    let outwards = along.dot(own.inward.cross(own.normal));
+    if outwards == 0.0 { turn } else { turn.abs().copysign(outwards) }
 }

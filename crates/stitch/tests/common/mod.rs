@@ -115,3 +115,8 @@ pub(crate) fn sheet(x: [f32; 2], z: [f32; 2], bulge: f32) -> Vec<Vec<[f32; 3]>> 
     };
     (0..4).map(|i| (0..4).map(|j| [at(x, i), rise(i, j), at(z, j)]).collect()).collect()
 }
+
+/// The border nearest to a point.
+pub(crate) fn rim(piece: usize, at: [f32; 3]) -> Edge {
+    Edge { piece, run: Run::Loop(at) }
+}
