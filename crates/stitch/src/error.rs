@@ -136,9 +136,9 @@ impl StitchError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StitchWarning {
-    /// Vertices of one side meet an edge of the other, not a vertex, and the seam is curved there.
+    /// Vertices of one side meet an edge of the other, not a vertex.
     #[error(
-        "seam {seam} has {vertices} vertices that meet an edge of the other side, not a vertex: cracks of up to {widest} can show; \
+        "seam {seam} has {vertices} vertices that meet an edge of the other side, not a vertex: hairline cracks, of up to {widest:.1e}, can show; \
          `weld: true` gives both sides the same vertices [t-junction]"
     )]
     Junctions {
@@ -146,7 +146,7 @@ pub enum StitchWarning {
         seam: usize,
         /// How many vertices.
         vertices: usize,
-        /// The widest crack, where the seam is shut at 0 s.
+        /// The widest crack, were the seam shut at 0 s; where it is straight, rounding.
         widest: f32,
     },
 }

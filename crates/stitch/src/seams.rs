@@ -141,16 +141,12 @@ fn check_crossings(paths: &[[Path; 2]]) -> Result<(), StitchError> {
     Ok(())
 }
 
-/// Cracks narrower than this part of the seam are rounding.
-const CRACK: f64 = 1e-5;
-
-/// Seams on which vertices of one edge have none on the other, so that cracks show; at 0 s.
+/// Seams on which vertices of one edge have none on the other, and how wide cracks are there at 0 s.
 fn junctions(settings: &Stitch, sides: &[Sides]) -> Vec<StitchWarning> {
     let moments: Vec<Moment> = settings.seams.iter().map(|seam| Moment::of(seam, 0.0)).collect();
     let targets = seams_alone(sides, &moments);
     let mut warnings = Vec::new();
     for (seam, (sides, targets)) in sides.iter().zip(&targets).enumerate() {
-        let length: f64 = targets[0].seam.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
         let (mut vertices, mut widest) = (0, 0.0_f64);
         for own in [0, 1].into_iter().filter(|_| !settings.seams[seam].weld) {
             let (other, track) = (&targets[1 - own].seam, &sides[1 - own].track);
@@ -158,9 +154,7 @@ fn junctions(settings: &Stitch, sides: &[Sides]) -> Vec<StitchWarning> {
             for (place, p) in lone.filter(|(place, _)| track.vertex(**place).is_none()) {
                 let next = other[(place.segment + 1) % other.len()];
                 let width = other[place.segment].lerp(next, place.x).distance(*p);
-                if width > CRACK * length {
-                    (vertices, widest) = (vertices + 1, widest.max(width));
-                }
+                (vertices, widest) = (vertices + 1, widest.max(width));
             }
         }
         if vertices > 0 {
