@@ -35,8 +35,9 @@ fn cut(cloth: &mut Cloth, cuts: &[Cut]) -> Vec<Vec<u32>> {
 
 fn welded(cloth: &mut Cloth, settings: &Stitch) -> Seams {
     let seams = cloth.lay(settings).unwrap();
-    let new = cut(cloth, &seams.cuts());
-    let seams = seams.cut(&cloth.surfaces(), &new).unwrap();
+    let cuts = seams.cuts();
+    let new = cut(cloth, &cuts);
+    let seams = seams.cut(&cloth.surfaces(), &cuts, &new).unwrap();
     assert!(seams.cuts().is_empty());
     seams
 }
