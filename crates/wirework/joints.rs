@@ -77,8 +77,9 @@ impl Joints {
             }
         }
         for (number, (points, _)) in groups.iter().enumerate() {
-            let set = points.first().and_then(|point| sets.get_mut(set_of.get(point)?));
-            set.into_iter().for_each(|set| set.groups.push(number));
+            if let Some(set) = points.first().and_then(|point| sets.get_mut(set_of.get(point)?)) {
+                set.groups.push(number);
+            }
         }
         self.sets = sets.into_values().collect();
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use wirework_asset::Limits;
 use wirework_preset::{Action, Effect, Named, PresetErrorKind, Stitching};
-use wirework_stitch::{Order, Seams, Stitch, StitchError, Surfaces, merged, seams};
+use wirework_stitch::{Order, Seams, Stitch, StitchError, StitchWarning, Surfaces, merged, seams};
 use wirework_surface::Cut;
 
 use crate::evaluate::bounds_frame;
@@ -27,6 +27,26 @@ pub(crate) struct Part {
     pub(crate) first: usize,
     /// For each point its piece of the stitch.
     pub(crate) piece_of: Arc<[u32]>,
+}
+
+impl Part {
+    /// What the seams lack, by their numbers in the stitch.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let first = self.first;
+        let told = |warning: &StitchWarning| match warning {
+            StitchWarning::Junctions { seam, vertices } => {
+                StitchWarning::Junctions { seam: seam + first, vertices: *vertices }.to_string()
+            }
+            other => other.to_string(),
+        };
+        let facing = |seam: usize| {
+            format!(
+                "seam {} is welded, but its sides face opposite ways: normals cannot go on across it; turn a piece round [facing]",
+                seam + first
+            )
+        };
+        self.seams.warnings().iter().map(told).chain(self.seams.facing().map(facing)).collect()
+    }
 }
 
 /// For each effect its seams: none but of a stitch; of one that is [`Order::Sequential`] each seam by itself.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use wirework_core::{BindError, Binding, Blend, Lattice, LatticeBinding, Wire};
 use wirework_preset::{Action, BoundsFrame, Effect};
-use wirework_stitch::{StitchWarning, Surfaces};
+use wirework_stitch::Surfaces;
 use wirework_surface::Near;
 use wirework_wrinkle::{Creases, SurfaceView, WrinkleWarning, creases};
 
@@ -309,20 +309,7 @@ impl Stage {
 
     /// What the seams lack, by their numbers in the stitch.
     pub(crate) fn seam_warnings(&self) -> Vec<String> {
-        let Some(Part { seams, first, .. }) = &self.seams else { return Vec::new() };
-        let told = |warning: &StitchWarning| match warning {
-            StitchWarning::Junctions { seam, vertices } => {
-                StitchWarning::Junctions { seam: seam + first, vertices: *vertices }.to_string()
-            }
-            other => other.to_string(),
-        };
-        let facing = |seam: usize| {
-            format!(
-                "seam {} is welded, but its sides face opposite ways: normals cannot go on across it; turn a piece round [facing]",
-                seam + first
-            )
-        };
-        seams.warnings().iter().map(told).chain(seams.facing().map(facing)).collect()
+        self.seams.as_ref().map_or_else(Vec::new, Part::warnings)
     }
 
     /// Points that are to be one, and how far they have come.

@@ -145,8 +145,9 @@ impl Seams {
                 }
                 let range = [track.t[segment], track.t.get(segment + 1).copied().unwrap_or(1.0)];
                 let t = parameters(range, &shares, homes.get(&(seam, side, segment)));
-                track.t.splice(segment + 1..segment + 1, t);
-                track.path.vertices.splice(segment + 1..segment + 1, points);
+                let next = segment + 1;
+                track.t.splice(next..next, t);
+                track.path.vertices.splice(next..next, points);
             }
             track
         };
