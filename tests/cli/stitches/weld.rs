@@ -127,13 +127,13 @@ fn pieces_of_files_are_welded() {
 #[test]
 fn an_obj_of_the_input_is_welded() {
     let place = Place::new();
-    let wave =
+    let sheets =
         "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 2 0 0\nv 3 0 0\nv 3 0 1\nv 2 0 1\nf 1 4 3 2\nf 5 8 7 6\n";
-    place.write("in.obj", format!("o left\n{wave}"));
+    place.write("in.obj", sheets);
     place.write(
         "weld.ron",
-        "Stitch(patches: [\"left\"], seams: [Seam(weld: true, a: Edge(piece: \"left\", from: (1, 0, 0), to: (1, 0, 1)),
-            b: Edge(piece: \"left\", from: (2, 0, 0), to: (2, 0, 1)))])",
+        "Stitch(patches: [\"in\"], seams: [Seam(weld: true, a: Edge(piece: \"in\", from: (1, 0, 0), to: (1, 0, 1)),
+            b: Edge(piece: \"in\", from: (2, 0, 0), to: (2, 0, 1)))])",
     );
     place.run("apply weld.ron in.obj -o out.obj --at 0 -q").expect(0);
     let text = place.read("out.obj");
@@ -147,7 +147,9 @@ fn one_edge_is_welded_twice_and_one_after_the_other() {
     let patches = [patches[0].clone(), Patch { cells: [4, 9], ..patches[1].clone() }];
     let third = Patch::flat([1.5, 2.5], [-1.0, 1.0], [4, 4]);
     let seam = |b: &str| {
-        format!("Seam(weld: true, a: Edge(piece: \"left\", side: UMax), b: Edge(piece: \"{b}\", side: UMin))")
+        format!(
+            "Seam(weld: true, bias: 0, a: Edge(piece: \"left\", side: UMax), b: Edge(piece: \"{b}\", side: UMin))"
+        )
     };
     let [left, right] = &patches;
     let (left, right) = (left.piece("left"), right.piece("right"));
@@ -157,7 +159,6 @@ fn one_edge_is_welded_twice_and_one_after_the_other() {
         "order.ron",
         format!("Stitch(patches: [{left}, {right}, {third}], seams: {both}, order: Sequential)"),
     );
-    place.run("apply order.ron -o out.obj --at 0 --strict").expect(0);
     place.write(
         "stack.ron",
         format!(
@@ -167,7 +168,14 @@ fn one_edge_is_welded_twice_and_one_after_the_other() {
             seam("third")
         ),
     );
-    place.run("apply stack.ron -o out.obj --at 0 -q").expect(0);
+    for preset in ["order.ron", "stack.ron"] {
+        place.run(&format!("apply {preset} -o out.obj --at 0 --strict")).expect(0);
+        let text = place.read("out.obj");
+        // Sixths, ninths and quarters in one row, of which each edge has a face of every sheet.
+        let (row, inner) = (7 + 6 + 2, 4 * (7 + 10 + 5));
+        assert_eq!(vertices(&text).len(), inner + row, "{preset}");
+        assert_eq!(borders(&faces(&text)), (3 * 2 * 4 + 6 + 9 + 4, row - 1), "{preset}");
+    }
 }
 
 #[test]
