@@ -12,7 +12,6 @@ use std::time::Duration;
 use thiserror::Error;
 use wirework_core::{BindError, Lattice, LatticeError, Wire};
 use wirework_preset::{Action, BoundsFrame, Effect, Units};
-use wirework_stitch::StitchWarning;
 use wirework_surface::Bounds;
 use wirework_wrinkle::{WrinkleError, WrinkleWarning};
 
@@ -330,8 +329,11 @@ impl<'a> Evaluation<'a> {
     }
 
     /// What seams lack: each with its effect, from 0.
-    pub(crate) fn seam_warnings(&self) -> impl Iterator<Item = (usize, &StitchWarning)> {
-        self.stages.iter().flat_map(|stage| stage.seam_warnings().map(move |warning| (stage.index, warning)))
+    pub(crate) fn seam_warnings(&self) -> impl Iterator<Item = (usize, String)> {
+        let told = |stage: &Stage| -> Vec<(usize, String)> {
+            stage.seam_warnings().into_iter().map(|warning| (stage.index, warning)).collect()
+        };
+        self.stages.iter().flat_map(told)
     }
 
     /// Points that are to be one where seams are welded, in groups, and how far they have come: 0 apart, 1 one point; at the moment that

@@ -145,15 +145,17 @@ impl Film<'_> {
                 self.shade += start.elapsed();
                 self.play(&mut vertices, |frame, _, vertices| {
                     follow(&mut mesh, vertices);
-                    // The frames of a sequence are to have the same vertices, and a file its own.
-                    if pattern.is_some() || obj.is_some() {
+                    // The frames of a sequence are to have the same vertices.
+                    if pattern.is_some() {
                         keep(frame, obj_text(obj.as_deref(), &parts, &mesh));
                     }
                     Ok(())
                 })?;
-                if pattern.is_none() && obj.is_none() {
-                    let (mesh, parts) = as_one(&mesh, &parts, self.motion.evaluation.joints(), &own);
-                    keep(0, obj_text(None, &parts, &mesh));
+                if pattern.is_none() {
+                    let (one, parts) = as_one(&mesh, &parts, self.motion.evaluation.joints(), &own);
+                    // A file keeps its text where nothing has become one.
+                    let obj = obj.filter(|_| one.positions.len() == mesh.positions.len());
+                    keep(0, obj_text(obj.as_deref(), &parts, &one));
                 }
             }
         }

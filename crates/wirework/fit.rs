@@ -6,7 +6,7 @@ use wirework_asset::Limits;
 use wirework_preset::Effect;
 
 use crate::fineness::{Span, refined};
-use crate::mask::{Masks, masks};
+use crate::mask::Masks;
 use crate::refine::Refinement;
 use crate::sew::{Sewn, sew_welded};
 use crate::{JobError, Subject};
@@ -31,10 +31,8 @@ pub(crate) fn fit(
     (folder, limits): (&Path, &Limits),
 ) -> Result<(Subject, Fit, Refinement), JobError> {
     let (subject, made, mut refinement) = refined(subject, effects, span, (folder, limits))?;
-    let (subject, seams, cut) = sew_welded(subject, effects, limits)?;
-    let masks =
-        if cut.meshes.is_empty() { made } else { masks(&subject, effects, folder, limits)?.complete()? };
+    let (subject, fit, cut) = sew_welded(subject, effects, made, (folder, limits))?;
     refinement.warnings.extend(cut.warnings);
     refinement.take(cut.meshes);
-    Ok((subject, Fit { masks, seams }, refinement))
+    Ok((subject, fit, refinement))
 }

@@ -1,29 +1,68 @@
 //! Seams of the effects that have any, on the points of a subject.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use wirework_asset::Limits;
 use wirework_preset::{Action, Effect, Named, PresetErrorKind, Stitching};
-use wirework_stitch::{Order, Seams, Stitch, StitchError, Surfaces, seams};
+use wirework_stitch::{Order, Seams, Stitch, StitchError, StitchWarning, Surfaces, merged, seams};
 use wirework_surface::Cut;
 
 use crate::evaluate::bounds_frame;
 use crate::fit::Fit;
+use crate::mask::{Masks, masks};
 use crate::refine::Refinement;
 use crate::unfit::unfit;
 use crate::{Evaluation, JobError, Subject};
 
-/// For each effect its seams: none but of a stitch; of one that is [`Order::Sequential`] each seam by itself.
-pub(crate) type Sewn = Vec<Vec<Seams>>;
+/// How often borders are cut: those that several seams share, one after the other, pass vertices on to each other. Of seams that never
+/// agree the rest stays as it is.
+const ROUNDS: usize = 4;
 
-/// Lays the seams of all effects. Each stitch is laid on what the effects before it make of the subject at 0 s.
+/// Seams that are laid at once.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub(crate) seams: Seams,
+    /// The number of the first of them in its stitch.
+    pub(crate) first: usize,
+    /// For each point its piece of the stitch.
+    pub(crate) piece_of: Arc<[u32]>,
+}
+
+impl Part {
+    /// What the seams lack, by their numbers in the stitch.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let first = self.first;
+        let told = |warning: &StitchWarning| match warning {
+            StitchWarning::Junctions { seam, vertices, widest } => {
+                StitchWarning::Junctions { seam: seam + first, vertices: *vertices, widest: *widest }
+                    .to_string()
+            }
+            other => other.to_string(),
+        };
+        let facing = |seam: usize| {
+            format!(
+                "seam {} is welded, but its sides disagree about the outside: normals cannot go on across it; turn a piece round, or set `reversed` [facing]",
+                seam + first
+            )
+        };
+        self.seams.warnings().iter().map(told).chain(self.seams.facing().map(facing)).collect()
+    }
+}
+
+/// For each effect its seams: none but of a stitch; of one that is [`Order::Sequential`] each seam by itself.
+pub(crate) type Sewn = Vec<Vec<Part>>;
+
+/// Lays the seams of all effects. Each stitch is laid on what the effects before it, with their masks, make of the subject at 0 s.
 ///
 /// # Errors
 ///
 /// Seams that do not fit the subject, at their place in the preset.
-pub(crate) fn sew(subject: &Subject, effects: &[Effect]) -> Result<Sewn, JobError> {
+pub(crate) fn sew(subject: &Subject, effects: &[Effect], masks: &Masks) -> Result<Sewn, JobError> {
     let mut sewn: Sewn = Vec::with_capacity(effects.len());
     for (index, effect) in effects.iter().enumerate() {
         sewn.push(match stitching(subject, effect) {
-            Some(stitching) => lay(subject, effects, index, &stitching, &sewn)?,
+            Some(stitching) => lay(subject, effects, index, &stitching, (&sewn, masks))?,
             None => Vec::new(),
         });
     }
@@ -34,53 +73,55 @@ pub(crate) fn sew(subject: &Subject, effects: &[Effect]) -> Result<Sewn, JobErro
 ///
 /// # Errors
 ///
-/// Also of [`Subject::cut`].
+/// Also of [`Subject::cut`], and of [`masks`].
 pub(crate) fn sew_welded(
     mut subject: Subject,
     effects: &[Effect],
-    limits: &Limits,
-) -> Result<(Subject, Sewn, Refinement), JobError> {
-    let mut sewn = sew(&subject, effects)?;
+    mut made: Masks,
+    (folder, limits): (&Path, &Limits),
+) -> Result<(Subject, Fit, Refinement), JobError> {
+    let mut sewn = sew(&subject, effects, &made)?;
     let mut done = Refinement::default();
-    for index in 0..sewn.len() {
-        for part in 0..sewn[index].len() {
-            let cuts: Vec<Cut> = sewn[index][part]
-                .cuts()
-                .into_iter()
-                .map(|wirework_stitch::Cut { ends, shares }| Cut { ends, shares })
-                .collect();
-            if cuts.is_empty() {
-                continue;
-            }
-            let (cut, new, refinement) = subject.cut(&cuts, limits)?;
-            subject = cut;
-            done.warnings.extend(refinement.warnings);
-            done.take(refinement.meshes);
-            resew(&subject, effects, &mut sewn, (index, part), &new)?;
+    for _ in 0..ROUNDS {
+        // Of all seams at once, so that they are laid again only once.
+        let cuts = merged(sewn.iter().flatten().flat_map(|part| part.seams.cuts()));
+        if cuts.is_empty() {
+            break;
         }
+        let edges: Vec<Cut> =
+            cuts.iter().map(|cut| Cut { ends: cut.ends, shares: cut.shares.clone() }).collect();
+        let (cut, new, refinement) = subject.cut(&edges, limits)?;
+        subject = cut;
+        done.warnings.extend(refinement.warnings);
+        done.take(refinement.meshes);
+        if new.iter().all(Vec::is_empty) {
+            break;
+        }
+        // Both at once might be more than the limits allow.
+        drop(made);
+        made = masks(&subject, effects, folder, limits)?.complete()?;
+        resew(&subject, effects, (&mut sewn, &made), (&cuts, &new))?;
     }
-    Ok((subject, sewn, done))
+    Ok((subject, Fit { masks: made, seams: sewn }, done))
 }
 
-/// Lays all seams on a subject of which borders have been cut for one of them.
+/// Lays all seams on a subject whose borders have been cut.
 fn resew(
     subject: &Subject,
     effects: &[Effect],
-    sewn: &mut Sewn,
-    cut: (usize, usize),
-    new: &[Vec<u32>],
+    (sewn, masks): (&mut Sewn, &Masks),
+    (cuts, new): (&[wirework_stitch::Cut], &[Vec<u32>]),
 ) -> Result<(), JobError> {
     for (index, effect) in effects.iter().enumerate() {
         let Some(stitching) = stitching(subject, effect) else { continue };
-        let base = base(subject, effects, index, sewn)?;
+        let base = base(subject, effects, index, (sewn, masks))?;
         let (piece_of, sides) = (piece_of(subject, &stitching)?, sides(subject, &stitching)?);
         let surfaces =
             Surfaces { positions: &base, triangles: &subject.triangles, piece_of: &piece_of, sides: &sides };
         let fail = fault(effect);
-        for (part, seams) in sewn[index].iter_mut().enumerate() {
-            // The others only have to know of the new points.
-            let new = if (index, part) == cut { new } else { &[] };
-            *seams = seams.cut(&surfaces, new).map_err(|error| fail(&error, part))?;
+        for part in &mut sewn[index] {
+            part.seams = part.seams.cut(&surfaces, cuts, new).map_err(|error| fail(&error, part.first))?;
+            part.piece_of = Arc::clone(&piece_of);
         }
     }
     Ok(())
@@ -99,30 +140,40 @@ fn lay(
     effects: &[Effect],
     index: usize,
     stitching: &Stitching,
-    sewn: &Sewn,
-) -> Result<Vec<Seams>, JobError> {
-    let base = base(subject, effects, index, sewn)?;
+    before: (&Sewn, &Masks),
+) -> Result<Vec<Part>, JobError> {
+    let base = base(subject, effects, index, before)?;
     let (piece_of, sides) = (piece_of(subject, stitching)?, sides(subject, stitching)?);
     let surfaces =
         Surfaces { positions: &base, triangles: &subject.triangles, piece_of: &piece_of, sides: &sides };
     let fail = fault(&effects[index]);
     let settings = &stitching.stitch;
+    let part = |first: usize, settings: &Stitch| {
+        let seams = seams(&surfaces, settings).map_err(|error| fail(&error, first))?;
+        Ok(Part { seams, first, piece_of: Arc::clone(&piece_of) })
+    };
     if settings.order == Order::Simultaneous {
-        return Ok(vec![seams(&surfaces, settings).map_err(|error| fail(&error, 0))?]);
+        return Ok(vec![part(0, settings)?]);
     }
     let alone = |(number, seam): (usize, &wirework_stitch::Seam)| {
-        let settings = Stitch { seams: vec![seam.clone()], ..settings.clone() };
-        seams(&surfaces, &settings).map_err(|error| fail(&error, number))
+        part(number, &Stitch { seams: vec![seam.clone()], ..settings.clone() })
     };
     settings.seams.iter().enumerate().map(alone).collect()
 }
 
 /// What an effect works on at 0 s.
-fn base(subject: &Subject, effects: &[Effect], index: usize, sewn: &Sewn) -> Result<Vec<[f32; 3]>, JobError> {
+fn base(
+    subject: &Subject,
+    effects: &[Effect],
+    index: usize,
+    (sewn, masks): (&Sewn, &Masks),
+) -> Result<Vec<[f32; 3]>, JobError> {
     let mut points = subject.points.clone();
     if index > 0 {
         let before = &effects[..index];
-        let fit = Fit { seams: sewn.iter().take(index).cloned().collect(), ..Fit::default() };
+        let of_effects = masks.of_effects.iter().take(index).cloned().collect();
+        let seams = sewn.iter().take(index).cloned().collect();
+        let fit = Fit { masks: Masks { of_effects, ..Masks::default() }, seams };
         let fail = unfit(&subject.origin, effects);
         let bounds = subject.bounds();
         let mut evaluation =
@@ -146,7 +197,7 @@ fn numbers(subject: &Subject, stitching: &Stitching) -> Result<Vec<usize>, JobEr
 }
 
 /// For each point the piece of a stitch.
-fn piece_of(subject: &Subject, stitching: &Stitching) -> Result<Vec<u32>, JobError> {
+fn piece_of(subject: &Subject, stitching: &Stitching) -> Result<Arc<[u32]>, JobError> {
     let mut own = vec![u32::MAX; subject.pieces.list.len()];
     for (number, piece) in (0..).zip(numbers(subject, stitching)?) {
         own[piece] = number;

@@ -122,7 +122,7 @@ impl Vertices {
     ) -> Result<(), NormalsError> {
         let Some(Shading { model, buffer, now, tangents }) = &mut self.shading else { return Ok(()) };
         model.update_into(&self.positions, buffer, now)?;
-        self.joints.join(joints, &self.point_of, now);
+        self.joints.join(joints, &self.point_of, &self.positions, now);
         match tangents {
             Some(tangents) => {
                 let Tangential { model, buffer, now: out } = tangents;

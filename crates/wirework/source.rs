@@ -40,7 +40,7 @@ impl<'a> Source<'a> {
     /// The files that the preset names as pieces.
     fn piece_files(&self) -> impl Iterator<Item = PathBuf> {
         let folder = self.folder();
-        self.preset.pieces().iter().filter_map(move |piece| piece.object.as_ref()?.file(folder))
+        self.preset.pieces().into_iter().filter_map(move |piece| piece.object.as_ref()?.file(folder))
     }
 
     /// Every file that is read but those that a document refers to: [`parts`] has these.

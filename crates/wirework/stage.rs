@@ -4,11 +4,12 @@ use std::time::Instant;
 
 use wirework_core::{BindError, Binding, Blend, Lattice, LatticeBinding, Wire};
 use wirework_preset::{Action, BoundsFrame, Effect};
-use wirework_stitch::{Seams, StitchWarning};
+use wirework_stitch::Surfaces;
 use wirework_surface::Near;
 use wirework_wrinkle::{Creases, SurfaceView, WrinkleWarning, creases};
 
 use crate::mask::{EffectMasks, WireMask};
+use crate::sew::Part;
 use crate::weld::bits;
 use crate::{EvaluateError, Spent};
 
@@ -25,7 +26,7 @@ pub(crate) struct Stage {
     masks: EffectMasks,
     pub(crate) wires: Vec<Wire>,
     creases: Option<Creases>,
-    seams: Option<Seams>,
+    seams: Option<Part>,
     /// What each crease, or the wire along each edge, may move.
     near: Vec<Near>,
     /// Whether a clip, or the effects before over all their time, have told how the surface is compressed.
@@ -69,13 +70,15 @@ impl Stage {
         effect: &Effect,
         frame: &BoundsFrame,
         masks: EffectMasks,
-        seams: Option<Seams>,
+        seams: Option<Part>,
     ) -> Self {
         let action = effect.placed(frame).action;
         let (blend, lattice) = match &action {
             Action::Deform(deform) => (deform.blend, deform.lattice),
             Action::Wrinkle(wrinkle) => (wrinkle.blend, None),
-            Action::Stitch(_) => (seams.as_ref().map_or_else(Blend::default, Seams::blend), None),
+            Action::Stitch(_) => {
+                (seams.as_ref().map_or_else(Blend::default, |part| part.seams.blend()), None)
+            }
         };
         let ffd = |lattice: Lattice| Ffd { lattice, binding: None, controls: Vec::new() };
         Self {
@@ -86,7 +89,7 @@ impl Stage {
             masks,
             wires: Vec::new(),
             creases: None,
-            near: seams.as_ref().map_or_else(Vec::new, |seams| seams.near().to_vec()),
+            near: seams.as_ref().map_or_else(Vec::new, |part| part.seams.near().to_vec()),
             seams,
             told: false,
             fineness: if effect.refine { Fineness::Wanted } else { Fineness::AsItIs },
@@ -178,8 +181,14 @@ impl Stage {
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
     ) -> Result<(), EvaluateError> {
-        if let Some(seams) = self.seams.as_mut().filter(|_| !self.on_rest) {
-            seams.follow(positions);
+        if let Some(Part { seams, piece_of, .. }) = self.seams.as_mut().filter(|_| !self.on_rest) {
+            let surfaces = Surfaces { positions, triangles, piece_of, sides: &[] };
+            match seams.renewed(&surfaces) {
+                Ok(now) => *seams = now,
+                // An edge that has shrunk to a point leads to what it did before.
+                Err(_) => seams.follow(positions),
+            }
+            self.near = seams.near().to_vec();
         }
         let Action::Wrinkle(wrinkle) = &self.action else { return Ok(()) };
         let effect = self.index;
@@ -216,7 +225,7 @@ impl Stage {
                 }
             }
             Action::Stitch(_) => {
-                if let Some(seams) = &mut self.seams {
+                if let Some(Part { seams, .. }) = &mut self.seams {
                     seams.wires_at(seconds, &mut self.wires);
                 }
             }
@@ -246,7 +255,7 @@ impl Stage {
                 }
             }
         }
-        if let Some(seams) = &self.seams {
+        if let Some(Part { seams, .. }) = &self.seams {
             let free = |point: u32| self.masks.of_effect().is_none_or(|mask| mask[point as usize] >= 1.0);
             for pin in seams.pins().iter().filter(|pin| free(pin.point)) {
                 out[pin.point as usize] = pin.goal;
@@ -298,14 +307,14 @@ impl Stage {
         all.filter(|warning| !matches!(warning, WrinkleWarning::Coarse { .. })).chain(coarse)
     }
 
-    /// What the seams lack.
-    pub(crate) fn seam_warnings(&self) -> impl Iterator<Item = &StitchWarning> {
-        self.seams.as_ref().map_or(&[][..], Seams::warnings).iter()
+    /// What the seams lack, by their numbers in the stitch.
+    pub(crate) fn seam_warnings(&self) -> Vec<String> {
+        self.seams.as_ref().map_or_else(Vec::new, Part::warnings)
     }
 
     /// Points that are to be one, and how far they have come.
     pub(crate) fn joints(&self) -> impl Iterator<Item = (&[u32], f32)> {
-        self.seams.iter().flat_map(Seams::joints)
+        self.seams.iter().flat_map(|part| part.seams.joints())
     }
 
     /// Notes that its surface has been made finer where it asked for that. It does not ask where a mask lets nothing move, and whether

@@ -157,7 +157,8 @@ fn moments(
         return Ok(false);
     }
     let masks = masks(subject, before, folder, limits)?.complete()?;
-    let fit = Fit { masks, seams: sew(subject, before)? };
+    let seams = sew(subject, before, &masks)?;
+    let fit = Fit { masks, seams };
     let fail = unfit(&subject.origin, all);
     let bounds = subject.bounds();
     let mut effects =

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use wirework_asset::{AssetError, Gltf, Limits, Obj, Rest};
-use wirework_preset::{Effect, Object, Preset, PresetError};
+use wirework_preset::{Action, Effect, Object, Piece, Preset, PresetError};
 use wirework_surface::{Bounds, Mesh, Transform};
 
 use crate::fit::Fit;
@@ -112,7 +112,7 @@ impl Subject {
         }
     }
 
-    /// What a preset works on: `input`, or else the object that the preset brings along, and the pieces of its first stitch. None
+    /// What a preset works on: `input`, or else the object that the preset brings along, and the pieces of its stitches. None
     /// where an input is missing. The node of its object is called as the preset's file is.
     ///
     /// # Errors
@@ -128,11 +128,15 @@ impl Subject {
             Some(input) => Some(input),
             None => Self::from_preset(preset, preset_path, limits)?,
         };
-        let pieces = preset.pieces();
+        let mut pieces = preset.pieces();
+        if base.is_none() && pieces.first().is_some_and(|piece| piece.object.is_some()) {
+            // Where the first stitch brings all of its own along, it is for others to say that there is no more.
+            pieces.retain(|piece| piece.object.is_some() || of_first(preset, piece));
+        }
         if pieces.is_empty() || (base.is_none() && pieces.iter().any(|piece| piece.object.is_none())) {
             return Ok(base);
         }
-        let pieces: Vec<_> = pieces.iter().map(|piece| (&piece.name, piece.object.as_ref())).collect();
+        let pieces: Vec<_> = pieces.into_iter().map(|piece| (&piece.name, piece.object.as_ref())).collect();
         let folder = preset_path.parent().unwrap_or(Path::new(""));
         Self::from_pieces(base, &pieces, folder, limits).map(Some)
     }
@@ -298,7 +302,8 @@ impl Subject {
         unfound: Vec<String>,
         duration: f64,
     ) -> Result<Evaluation<'_>, JobError> {
-        let fit = Fit { masks, seams: sew(self, effects)? };
+        let seams = sew(self, effects, &masks)?;
+        let fit = Fit { masks, seams };
         let bound = Evaluation::fitted(effects, fit, &self.points, &self.triangles, self.bounds());
         let mut evaluation = bound.map_err(unfit(&self.origin, effects))?;
         evaluation.warnings.extend(unfound);
@@ -356,6 +361,12 @@ fn weld_parts(parts: &[MeshPart], mesh: &Mesh, pieces: &[u32]) -> Weld {
             Weld::in_pieces(&mesh.positions, &apart, &own)
         }
     }
+}
+
+/// Whether the first effect is a stitch that names a piece.
+fn of_first(preset: &Preset, piece: &Piece) -> bool {
+    let action = preset.effects.first().map(|effect| &effect.action);
+    matches!(action, Some(Action::Stitch(stitching)) if stitching.pieces.contains(piece))
 }
 
 /// The name of a file without folder and extension.

@@ -1,5 +1,6 @@
 //! A whole preset: one effect, or a stack of them, its object and its length in time.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use wirework_core::{Interpolate, Keyed};
@@ -42,13 +43,15 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// The pieces that its first stitch names; without one there are none.
-    pub fn pieces(&self) -> &[Piece] {
-        let stitch = self.effects.iter().find_map(|effect| match &effect.action {
+    /// The pieces that its stitches name, each where it is named first; without a stitch there are none.
+    pub fn pieces(&self) -> Vec<&Piece> {
+        let stitches = self.effects.iter().filter_map(|effect| match &effect.action {
             Action::Stitch(stitching) => Some(stitching),
             _ => None,
         });
-        stitch.map_or(&[], |stitching| &stitching.pieces)
+        let mut known = BTreeSet::new();
+        let all = stitches.flat_map(|stitching| &stitching.pieces);
+        all.filter(|piece| known.insert(piece.name.name.as_str())).collect()
     }
 }
 

@@ -3,11 +3,14 @@
 use std::collections::BTreeMap;
 
 use crate::error::StitchError;
-use crate::pairing::Track;
 use crate::seams::{Seams, lay};
 use crate::settings::Stitch;
+use crate::side::Frame;
 use crate::surfaces::{Pieces, Surfaces};
 use crate::target::{Moment, Sides, Targets};
+
+/// Cuts this near to each other, in parts of a segment, are one: more than rounding makes of equal shares.
+const SAME: f64 = 1e-6;
 
 /// New vertices on a segment of a border.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,22 +113,111 @@ impl Seams {
         homes.into_iter().map(cut).collect()
     }
 
-    /// The same seams on surfaces whose borders have been cut as [`Seams::cuts`] has it; `points` are the new points of each cut, the
-    /// old ones have kept their numbers.
+    /// The same seams on surfaces whose borders have been cut: at least as [`Seams::cuts`] has it, or for other seams, too, as
+    /// [`merged`] has it. `points` are the new points of each cut, the old ones have kept their numbers.
     ///
     /// # Errors
     ///
     /// As [`seams`](crate::seams()).
-    pub fn cut(&self, surfaces: &Surfaces<'_>, points: &[Vec<u32>]) -> Result<Self, StitchError> {
-        let mut tracks: Vec<[Track; 2]> =
-            self.sides.iter().map(|sides| [0, 1].map(|side| sides[side].track.clone())).collect();
-        // From behind, so that segments keep their numbers until it is their turn.
-        for (((seam, side, segment), (_, t)), points) in self.homes().into_iter().zip(points).rev() {
-            let (track, next) = (&mut tracks[seam][side], segment + 1);
-            track.path.vertices.splice(next..next, points.iter().copied());
-            track.t.splice(next..next, t);
-        }
-        tracks.iter_mut().flatten().filter(|track| track.path.closed).for_each(Track::sort);
+    pub fn cut(
+        &self,
+        surfaces: &Surfaces<'_>,
+        cuts: &[Cut],
+        points: &[Vec<u32>],
+    ) -> Result<Self, StitchError> {
+        let known: BTreeMap<[u32; 2], (&Cut, &Vec<u32>)> =
+            cuts.iter().zip(points).map(|(cut, new)| (sorted(cut.ends), (cut, new))).collect();
+        let homes = if known.is_empty() { BTreeMap::new() } else { self.homes() };
+        let track = |seam: usize, side: usize| {
+            let mut track = self.sides[seam][side].track.clone();
+            let count = track.path.vertices.len();
+            // From behind, so that segments keep their numbers until it is their turn.
+            for segment in (0..track.path.segments()).rev().filter(|_| !known.is_empty()) {
+                let ends = [segment, (segment + 1) % count].map(|i| track.path.vertices[i]);
+                let Some((cut, points)) = known.get(&sorted(ends)).filter(|(_, new)| !new.is_empty()) else {
+                    continue;
+                };
+                let (mut shares, mut points) = (cut.shares.clone(), (*points).clone());
+                if cut.ends != ends {
+                    shares = shares.iter().rev().map(|share| 1.0 - share).collect();
+                    points.reverse();
+                }
+                let range = [track.t[segment], track.end(segment)];
+                let t = parameters(range, &shares, homes.get(&(seam, side, segment)));
+                let next = segment + 1;
+                track.t.splice(next..next, t);
+                track.path.vertices.splice(next..next, points);
+            }
+            if track.path.closed {
+                track.sort();
+            }
+            track
+        };
+        let tracks = (0..self.sides.len()).map(|seam| [track(seam, 0), track(seam, 1)]).collect();
         lay(&self.settings, tracks, Pieces::new(surfaces))
     }
+
+    /// The same seams where the points are now: unlike [`Seams::follow`] it also looks anew what each wire may move, since distances over a
+    /// surface that shrinks or grows are others.
+    ///
+    /// # Errors
+    ///
+    /// An edge that has lost its length.
+    pub fn renewed(&self, surfaces: &Surfaces<'_>) -> Result<Self, StitchError> {
+        self.cut(surfaces, &[], &[])
+    }
+
+    /// The seams to be welded along most of which the two sides disagree about the outside: there both surfaces lie on the same hand of
+    /// whoever walks along the seam, upright on either. Front and back of a garment, which face opposite ways, do agree.
+    pub fn facing(&self) -> impl Iterator<Item = usize> {
+        let hand = |frame: Frame| frame.along.dot(frame.inward.cross(frame.normal));
+        let disagree = move |[a, b]: &Sides| {
+            let pairs = a.frames.iter().zip(&a.other);
+            let count = pairs.filter(|(own, place)| hand(**own) * hand(b.frame_at(**place)) > 0.0);
+            2 * count.count() > a.frames.len()
+        };
+        let welded = self.settings.seams.iter().zip(&self.sides).enumerate();
+        welded.filter(move |(_, (seam, sides))| seam.weld && disagree(sides)).map(|(index, _)| index)
+    }
+}
+
+/// Cuts of several [`Seams`] as one list, in which no segment stands twice.
+pub fn merged(cuts: impl IntoIterator<Item = Cut>) -> Vec<Cut> {
+    let mut all: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
+    for Cut { ends, shares } in cuts {
+        let ahead = ends == sorted(ends);
+        let own = shares.into_iter().map(|share| if ahead { share } else { 1.0 - share });
+        all.entry(sorted(ends)).or_default().extend(own);
+    }
+    let cut = |(ends, mut shares): ([u32; 2], Vec<f64>)| {
+        shares.sort_by(f64::total_cmp);
+        shares.dedup_by(|next, kept| *next - *kept < SAME);
+        Cut { ends, shares }
+    };
+    all.into_iter().map(cut).collect()
+}
+
+/// The parameters of new vertices on a segment that runs from the first to the second of `range`: those of their partners, where they are
+/// made for these, so that both have the same bits.
+fn parameters(range: [f64; 2], shares: &[f64], home: Option<&(Cut, Vec<f64>)>) -> Vec<f64> {
+    let even: Vec<f64> = shares.iter().map(|share| range[0] + (range[1] - range[0]) * share).collect();
+    // The last segment of a loop goes on behind 1 from 0.
+    let ahead = |t: f64| if t < range[0] { t + 1.0 } else { t };
+    let back = |t: &f64| if *t > 1.0 { t - 1.0 } else { *t };
+    let mut out: Vec<f64> = even.iter().map(back).collect();
+    for (share, t) in home.iter().flat_map(|(cut, t)| cut.shares.iter().zip(t)) {
+        let next = shares.partition_point(|own| *own < share - SAME);
+        if shares.get(next).is_some_and(|own| (own - share).abs() < SAME) {
+            out[next] = *t;
+        }
+    }
+    if out.windows(2).all(|pair| ahead(pair[0]) < ahead(pair[1])) {
+        out
+    } else {
+        even.iter().map(back).collect()
+    }
+}
+
+fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
 }

@@ -53,7 +53,7 @@ mod turn;
 
 pub use border::border_loops;
 pub use error::{EdgeFault, StitchError, StitchWarning};
-pub use joint::Cut;
+pub use joint::{Cut, merged};
 pub use seams::{Pin, Seams, seams};
 pub use settings::{Continuity, Edge, Order, Pairing, Reversed, Run, Seam, SeamSide, Side, Stitch, Tear};
 pub use surfaces::Surfaces;

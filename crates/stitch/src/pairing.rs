@@ -17,8 +17,6 @@ const SLOPE: f64 = 0.02;
 /// Vertices of the two edges that are so near to each other, in parts of the shortest segment beside them, are taken to belong together:
 /// more than rounding of positions in f32 makes of equal fractions, and far less than shows.
 const SNAP: f64 = 1e-3;
-/// The same where both edges are to get all vertices of either: what is nearer than this would make slivers, whose normals are noise.
-const WELD_SNAP: f64 = 0.2;
 
 /// A path with a parameter for each vertex.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +34,7 @@ pub(crate) struct Place {
     pub(crate) x: f64,
 }
 
-/// Two paths with a common parameter. Where they are to be welded, vertices may be drawn a little along the seam to one another.
+/// Two paths with a common parameter.
 pub(crate) fn pair(a: Path, b: Path, seam: &Seam, surfaces: &Surfaces<'_>) -> [Track; 2] {
     let by_length = |path: &Path| fractions(&path.lengths(surfaces), path.closed);
     let own = |path: &Path| match seam.pairing {
@@ -56,7 +54,7 @@ pub(crate) fn pair(a: Path, b: Path, seam: &Seam, surfaces: &Surfaces<'_>) -> [T
     if seam.pairing == Pairing::Closest {
         b.t = a.closest(&b, surfaces);
     }
-    a.draw(&mut b, if seam.weld { WELD_SNAP } else { SNAP });
+    a.draw(&mut b);
     [a, b]
 }
 
@@ -144,7 +142,7 @@ impl Track {
     }
 
     /// The parameter at which a segment ends; of the last one of a loop beyond 1.
-    fn end(&self, segment: usize) -> f64 {
+    pub(crate) fn end(&self, segment: usize) -> f64 {
         self.t.get(segment + 1).copied().unwrap_or_else(|| 1.0 + self.t.first().copied().unwrap_or(0.0))
     }
 
@@ -161,7 +159,7 @@ impl Track {
     }
 
     /// Gives vertices of another track that are near to one of this the parameter of that.
-    fn draw(&self, other: &mut Track, snap: f64) {
+    fn draw(&self, other: &mut Track) {
         let last = other.t.len() - 1;
         for vertex in 0..other.t.len() {
             let t = other.t[vertex];
@@ -180,7 +178,7 @@ impl Track {
             }
             // Of less than half of every segment, so that no two are drawn to one.
             let room = self.least(own).min(other.least(vertex));
-            if (t - to).abs() <= snap * room {
+            if (t - to).abs() <= SNAP * room {
                 other.t[vertex] = to;
             }
         }

@@ -15,10 +15,10 @@ pub struct Surfaces<'a> {
     pub positions: &'a [[f32; 3]],
     /// Triangles between points of one piece each, counter-clockwise seen from outside.
     pub triangles: &'a [[u32; 3]],
-    /// For each point the number of its piece; a number beyond `sides` is of none. Empty: all points are piece 0.
+    /// For each point the number of its piece, [`u32::MAX`] where it is of none. Empty: all points are piece 0.
     pub piece_of: &'a [u32],
     /// For each piece its sides as lists of points, if it has any: `UMin` and `UMax` in the direction of growing `v`, `VMin` and
-    /// `VMax` in that of growing `u`.
+    /// `VMax` in that of growing `u`. Pieces behind the end of the list have none.
     pub sides: &'a [Option<[Vec<u32>; 4]>],
 }
 
@@ -44,7 +44,10 @@ pub(crate) struct Pieces<'a> {
 
 impl<'a> Pieces<'a> {
     pub(crate) fn new(surfaces: &'a Surfaces<'a>) -> Self {
-        let count = surfaces.sides.len().max(usize::from(surfaces.piece_of.is_empty()));
+        let own = surfaces.piece_of.iter().filter(|piece| **piece != u32::MAX).max();
+        let count = own.map_or(usize::from(surfaces.piece_of.is_empty()), |last| *last as usize + 1);
+        // No more pieces than points, lest a number out of range take all memory.
+        let count = count.min(surfaces.positions.len()).max(surfaces.sides.len());
         let mut parts = vec![(Vec::new(), Vec::new()); count];
         let piece_of = |point: u32| match surfaces.piece_of.get(point as usize) {
             Some(&piece) => piece as usize,

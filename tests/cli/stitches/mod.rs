@@ -10,6 +10,7 @@ mod stacks;
 mod tangent;
 mod tears;
 mod uneven;
+mod weld;
 
 use std::f64::consts::PI;
 

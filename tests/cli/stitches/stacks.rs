@@ -113,3 +113,86 @@ fn a_stitch_is_sewn_onto_the_result_of_another() {
     assert!(apart(&at(&now, &a), &at(&now, &b)) <= ONE * diagonal(&now));
     assert!(apart(&at(&now, &a), &at(&once, &a)) < EXACT * diagonal(&now));
 }
+
+/// What a seam may move is measured on what moves below it, at each moment.
+#[test]
+fn influence_ends_where_the_surface_is_now() {
+    let place = Place::new();
+    let patches = pair(CELLS, CELLS);
+    let at = |x: f64| format!("[({x}, 0, -2), ({x}, 0, 2)]");
+    let stack = |pose: String| {
+        let wire = format!("Wire(curve: Polyline(points: {}), pose: {pose}, radius: 1)", at(-1.2));
+        let [left, right] = &patches;
+        let (left, right) = (left.piece("left"), right.piece("right"));
+        let seam = |fields: &str| {
+            format!(
+                "Seam(a: Edge(piece: \"left\", side: UMax), b: Edge(piece: \"right\", side: UMin), {fields})"
+            )
+        };
+        // The first stitch only brings the pieces along.
+        format!(
+            "Stack([Stitch(patches: [{left}, {right}], seams: [{}]), Deform(wires: [{wire}]), Stitch(seams: [{}])])",
+            seam("closure: 0"),
+            seam("radius: 0.3, correspondence: Parameter")
+        )
+    };
+    let moving = place.still(&stack(format!("Keys([(0, {}), (1, {})])", at(-1.2), at(-0.5))), 1.0);
+    let there = place.still(&stack(at(-0.5)), 1.0);
+    assert!(apart(&moving, &there) < EXACT * diagonal(&there), "{}", apart(&moving, &there));
+}
+
+/// Effects before a stitch are looked at with their masks: what they may not move is where it was.
+#[test]
+fn edges_are_looked_for_where_masks_leave_them() {
+    let place = Place::new();
+    let patches = pair(CELLS, CELLS);
+    place.write("rest.ron", sewn(&patches, "closure: Keys([(0, 0), (1, 1)])"));
+    place.run("apply rest.ron -o in.glb --at 0 -q").expect(0);
+    let rest = place.rest_points(&patches);
+    let [_, b] = edges(&patches);
+    let [from, to] = [rest[b[0]], rest[b[b.len() - 1]]].map(|p| format!("({}, {}, {})", p.x, p.y, p.z));
+    let lift = "Wire(curve: Polyline(points: [(0, 0, -9), (0, 0, 9)]), \
+                pose: [(0, 3, -9), (0, 3, 9)], radius: 90)";
+    place.write(
+        "stack.ron",
+        format!(
+            "Stack([Deform(only: Nodes([\"left\"]), wires: [{lift}]), Stitch(seams: [Seam(\
+             a: Edge(piece: \"left\", from: (-0.3, 3, -0.8), to: (-0.3, 3, 0.8)), \
+             b: Edge(piece: \"right\", from: {from}, to: {to}))])])"
+        ),
+    );
+    place.run("apply stack.ron in.glb -o out.glb --at 0 -q").expect(0);
+}
+
+#[test]
+fn later_stitches_name_nodes_of_their_own() {
+    let place = Place::new();
+    let patches = pair(CELLS, CELLS);
+    let third = Patch::flat([1.5, 2.5], [-0.8, 0.7], CELLS);
+    let [left, right] = &patches;
+    let seam = |a: &str, b: &str, fields: &str| {
+        format!(
+            "Seam(a: Edge(piece: \"{a}\", loop: (0, 0, 0)), b: Edge(piece: \"{b}\", loop: (0, 0, 0)){fields})"
+        )
+    };
+    place.write(
+        "rest.ron",
+        format!(
+            "Stitch(patches: [{}, {}, {}], seams: [{}])",
+            left.piece("left"),
+            right.piece("right"),
+            third.piece("third"),
+            seam("left", "right", ", closure: 0")
+        ),
+    );
+    place.run("apply rest.ron -o in.glb --at 0 -q").expect(0);
+    place.write(
+        "stack.ron",
+        format!(
+            "Stack([Stitch(seams: [{}]), Stitch(seams: [{}])])",
+            seam("left", "right", ", closure: 0.2"),
+            seam("right", "third", ", closure: 0.2")
+        ),
+    );
+    place.run("apply stack.ron in.glb -o out.glb --at 0 -q").expect(0);
+}

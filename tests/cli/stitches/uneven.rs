@@ -112,4 +112,8 @@ fn t_joints_are_counted_and_strict_refuses_them() {
     let err = place.run("apply two.ron -o out.obj --at 0").expect(0).err();
     // 9 and 7 vertices, 3 of them common.
     assert!(err.contains("seam 1 has 10 vertices") && !err.contains("seam 0 has"), "{err}");
+    let text = String::from_utf8(place.read("two.ron")).unwrap();
+    place.write("two.ron", text.replacen("Stitch(", "Stitch(order: Sequential, ", 1));
+    let err = place.run("apply two.ron -o out.obj --at 0").expect(0).err();
+    assert!(err.contains("seam 1 has 10 vertices") && !err.contains("seam 0 has"), "{err}");
 }
