@@ -3,7 +3,7 @@
 mod edge;
 mod pieces;
 
-use wirework_core::Keyed;
+use wirework_core::{Density, Keyed};
 use wirework_stitch::{
     Continuity, Edge, Order, Pairing, Reversed, Run, Seam, Side, Stitch, StitchError, Tear,
 };
@@ -128,6 +128,12 @@ fn reversed(reader: &mut Reader<'_>, node: &Node) -> Option<Reversed> {
 /// Warns of a seam that never sews, and of a weld of what never meets.
 fn lint_seam(reader: &mut Reader<'_>, fields: &Fields<'_>, seam: &Seam) {
     lint_still(reader, fields, "closure", &seam.closure, "this seam never sews");
+    if let Some(node) = fields.again("density").filter(|_| seam.continuity == Continuity::Tangent)
+        && seam.density == Density::Linear
+    {
+        let message = "with `Linear`, which is not flat at 0, `continuity: Tangent` leaves a crease";
+        reader.within("density", |reader| reader.warn(&node.span, message));
+    }
     let apart = seam.closure.values().all(|&closure| closure == 0.0);
     let ajar = !apart && seam.closure.values().all(|&closure| closure < 1.0);
     if let Some(node) = fields.again("weld").filter(|_| ajar && seam.weld) {

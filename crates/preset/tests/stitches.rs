@@ -274,7 +274,7 @@ fn an_edge_is_said_in_one_way() {
         ("Edge(piece: \"sheet\", loop: (0, 0, «NaN»))", Value, "finite"),
         ("Edge(piece: \"sheet\", side: «\"UMax\"»)", Value, "expected `UMin`, `UMax`, `VMin` or `VMax`"),
         ("«\"sheet\"»", Value, "`Edge(field: value, ..)`"),
-        ("Edge(piece: \"sleeve\", side: «UMin»)", Value, "only patches and grids have the sides"),
+        ("Edge(piece: \"sleeve\", side: «UMin»)", Value, "only patches and grids of a preset have the sides"),
     ] {
         check(&with_edge(&edge.replace('P', point)), kind, message, None);
     }
@@ -358,6 +358,7 @@ fn what_does_nothing_is_warned_of() {
         (in_seam("closure: Keys([(0, 0), (1, 0)])"), "seams[0].closure", "never sews"),
         (in_seam("closure: 0, weld: true"), "seams[0].closure", "never sews"),
         (in_seam("closure: 0.5, weld: true"), "seams[0].weld", "with `closure` below 1"),
+        (in_seam("density: Linear, continuity: Tangent"), "seams[0].density", "leaves a crease"),
         (in_tear("at: 0, width: 1, opening: 0"), "seams[0].tears[1].opening", "this tear never opens"),
         (in_tear("at: 0, width: Keys([(0, 0)])"), "seams[0].tears[1].width", "this tear never opens"),
     ] {
@@ -370,6 +371,7 @@ fn what_does_nothing_is_warned_of() {
         in_seam("closure: Keys([(0, 0), (1, 0.5)])"),
         in_seam("closure: Keys([(0, 0), (1, 1)]), weld: true"),
         in_seam("closure: 0.5"),
+        in_seam("density: Linear"),
         in_tear("at: 0, width: Keys([(0, 0), (1, 0.5)]), gape: 0"),
     ] {
         assert_eq!(parsed(&text).warnings, [], "{text}");

@@ -68,7 +68,7 @@ pub enum EdgeFault {
     NoPiece(usize),
     /// The piece has no sides that could be named.
     #[error(
-        "only patches and grids of a preset have the sides `UMin`, `UMax`, `VMin`, `VMax`, not nodes of a model; name points of the \
+        "only patches and grids of a preset have the sides `UMin`, `UMax`, `VMin`, `VMax`; of tubes, files and nodes name points of the \
          border instead"
     )]
     NoSides,

@@ -23,9 +23,10 @@ impl Path {
             Run::Side(side) => side_of(edge.piece, side, surfaces)?,
             Run::Between { from, to, long } => between(from, to, long, piece, surfaces)?,
             Run::Loop(point) => {
-                let (border, _) = nearest(point, piece, surfaces)?;
-                let border = whole(border, surfaces)?;
-                Self { vertices: border.vertices.clone(), closed: true }
+                let (border, first) = nearest(point, piece, surfaces)?;
+                let mut vertices = whole(border, surfaces)?.vertices.clone();
+                vertices.rotate_left(first);
+                Self { vertices, closed: true }
             }
         };
         if path.length(surfaces) > 0.0 { Ok(path) } else { Err(EdgeFault::NoLength) }

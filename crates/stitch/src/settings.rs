@@ -76,7 +76,7 @@ pub enum Run {
         /// The longer of the two ways round. Default the shorter.
         long: bool,
     },
-    /// The whole border loop that is nearest to a point, in the direction in which its faces go round.
+    /// The whole border loop that is nearest to a point, from its nearest vertex on, in the direction in which its faces go round.
     Loop([f32; 3]),
 }
 
