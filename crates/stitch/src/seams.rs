@@ -1,5 +1,7 @@
 //! Seams as wires: one along each edge, both to the common seam.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use wirework_core::{Blend, Locator, Wire};
@@ -102,7 +104,7 @@ fn paths(settings: &Stitch, pieces: &mut Pieces<'_>) -> Result<Vec<[Path; 2]>, S
 
 /// A border can be sewn once only; edges may share their ends.
 fn check_crossings(paths: &[[Path; 2]]) -> Result<(), StitchError> {
-    let mut taken: std::collections::BTreeMap<u32, (usize, usize)> = std::collections::BTreeMap::new();
+    let mut taken: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
     let all =
         || paths.iter().enumerate().flat_map(|(seam, sides)| [(seam, 0, &sides[0]), (seam, 1, &sides[1])]);
     let clash = |seam: usize, other: usize| {

@@ -13,7 +13,7 @@ const REACH: f64 = 2.2;
 pub struct Surfaces<'a> {
     /// All points.
     pub positions: &'a [[f32; 3]],
-    /// Triangles between points of one piece each, counter-clockwise seen from outside.
+    /// Triangles between points of one piece each, counter-clockwise seen from outside; others do not count.
     pub triangles: &'a [[u32; 3]],
     /// For each point the number of its piece, [`u32::MAX`] where it is of none. Empty: all points are piece 0.
     pub piece_of: &'a [u32],
@@ -65,7 +65,9 @@ impl<'a> Pieces<'a> {
         }
         for triangle in surfaces.triangles {
             let [a, b, c] = triangle.map(piece_of);
-            if let Some((_, triangles)) = parts.get_mut(a).filter(|_| a == b && b == c) {
+            // One that refers to no point is none.
+            let there = triangle.iter().all(|point| (*point as usize) < numbers.len());
+            if let Some((_, triangles)) = parts.get_mut(a).filter(|_| a == b && b == c && there) {
                 triangles.push(triangle.map(|point| numbers[point as usize]));
             }
         }

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{Cloth, gap, on_side, rim, run, sewn, sewn_at, sheet, stitch, wide};
+use glam::DVec3;
 use wirework_core::Keyed;
 use wirework_stitch::{
     Edge, EdgeFault, Pairing, Run, Seam, SeamSide, Side, StitchError, StitchWarning, Tear,
@@ -26,13 +27,23 @@ fn a_closed_seam_leaves_no_gap_and_reaches_no_farther_than_its_radius() {
         let cloth = two([32, 32]);
         let seam = Seam { pairing, ..middle() };
         let out = sewn(&cloth, &stitch(vec![seam]));
-        let pairs = cloth.side(0, Side::UMax).iter().zip(cloth.side(1, Side::UMin));
-        for (&a, &b) in pairs.clone() {
-            match pairing {
-                // Vertex by vertex: the very bits.
-                Pairing::Parameter => assert_eq!(out[a as usize], out[b as usize]),
-                _ => assert!(gap(&out, a, b) < 0.15),
-            }
+        let edges = [cloth.side(0, Side::UMax), cloth.side(1, Side::UMin)];
+        for (&a, &b) in edges[0].iter().zip(edges[1]).filter(|_| pairing == Pairing::Parameter) {
+            // Vertex by vertex: the very bits.
+            assert_eq!(out[a as usize], out[b as usize]);
+        }
+        // Whatever belongs together, both edges are one curve: to what chords of 32 cut off from it.
+        let chords: Vec<_> =
+            edges[0].windows(2).map(|e| [e[0], e[1]].map(|v| wide(out[v as usize]))).collect();
+        for p in edges[1].iter().map(|&v| wide(out[v as usize])) {
+            let off = |[a, b]: &[DVec3; 2]| {
+                let x = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+                a.lerp(*b, x).distance(p)
+            };
+            let least = chords.iter().map(off).fold(f64::INFINITY, f64::min);
+            // The nearest points of one edge may wait for those of the other, and the seam turns sharply there.
+            let most = if pairing == Pairing::Closest { 5e-3 } else { 1e-3 };
+            assert!(least < most, "{pairing:?}: {least}");
         }
         let rest = cloth.points.iter().zip(&out);
         let moved = rest.clone().filter(|(p, q)| p != q).count();
@@ -258,6 +269,12 @@ fn faults_are_told_with_their_place() {
     let radius = Seam { radius: Keyed::Constant(0.0), ..middle() };
     assert_eq!(fault(radius).path(), "seams[0].radius");
     assert_eq!(fault(Seam { b: on_side(7, Side::UMin), ..middle() }).path(), "seams[0].b.piece");
+    // A triangle of points that are not there is none, also where all is one piece.
+    let mut stray = cloth.clone();
+    stray.triangles.push([0, 1, 99_999]);
+    stray.lay(&stitch(vec![middle()])).unwrap();
+    stray.piece_of.clear();
+    assert!(stray.lay(&stitch(vec![middle()])).is_ok());
 
     let mut solid = Cloth::default();
     solid.add(&tube([0.0; 3], [0.0, 1.0, 0.0], 0.5, 12, 4, true).unwrap());
