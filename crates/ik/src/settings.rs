@@ -1,0 +1,115 @@
+//! What a limb is, as a preset says it.
+
+use wirework_core::{Closest, Keyed};
+
+/// The settings of a limb: all but where its joints are and where its tip is to go. Lengths are in the unit of the joints; bones
+/// count from the root, bone `i` leads from joint `i` to joint `i + 1`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ik {
+    /// What becomes of the bones at joints. Default [`ChainCurve::Rounded`] of 0.25.
+    pub curve: ChainCurve,
+    /// A point towards which the limb bends: its inner joints lie on that side of the line from root to goal, in the plane of the
+    /// three. Default none: the bend that the chain has at rest.
+    pub pole: Option<Keyed<[f32; 3]>>,
+    /// \[SF98\] §5.3: 0 rigid bones ..= 1 a rubber band. Default 0.5.
+    pub elasticity: Keyed<f32>,
+    /// Of each bone, 0 ..= 1: at 1 it keeps its length whatever the elasticity. Empty, which is the default: 0 for all.
+    pub stiffness: Vec<f32>,
+    /// Of each joint but the tip, in radians, > 0: how far its bone may turn from its direction at rest as the bone before it carries
+    /// that. Empty, which is the default: as far as it likes. One for the tip may stand at the end and does nothing.
+    pub limits: Vec<f32>,
+    /// Joints that are held. Default none.
+    pub pins: Vec<Pin>,
+    /// The greatest length, as a factor on that at rest, ≥ 1. Default 2.
+    pub max_stretch: f32,
+    /// The least length that it is squashed to, as a factor on that at rest, 0 ..= 1: nearer goals bend it instead. Default 0.3.
+    pub min_stretch: f32,
+    /// Which part of the way from the length at rest to the greatest is eased, 0 ..= 1. Default 0.1.
+    pub softness: f32,
+    /// How much of the volume is kept, 0 ..= 1: the radial scale is `(L₀/L)^(volume/2)`. Default 1.
+    pub volume: f32,
+    /// What `L` is. Default [`ScaleBy::Length`].
+    pub scale_by: ScaleBy,
+    /// Turn about the limb at its tip, radians, spread by arc length; two turns are 4π. Default 0.
+    pub twist: Keyed<f32>,
+    /// Which way the tip points. Default [`Tip::Follow`].
+    pub tip: Tip,
+    /// What follows the limb. Default [`Influence::All`].
+    pub influence: Influence,
+    /// Which feet of a point on the curve count, as of any wire. Default [`Closest::Smallest`].
+    pub closest: Closest,
+}
+
+impl Default for Ik {
+    fn default() -> Self {
+        Self {
+            curve: ChainCurve::Rounded(0.25),
+            pole: None,
+            elasticity: Keyed::Constant(0.5),
+            stiffness: Vec::new(),
+            limits: Vec::new(),
+            pins: Vec::new(),
+            max_stretch: 2.0,
+            min_stretch: 0.3,
+            softness: 0.1,
+            volume: 1.0,
+            scale_by: ScaleBy::Length,
+            twist: Keyed::Constant(0.0),
+            tip: Tip::Follow,
+            influence: Influence::All,
+            closest: Closest::Smallest,
+        }
+    }
+}
+
+/// \[SF98\] §5.3: the curve that takes the place of a joint chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ChainCurve {
+    /// Along the bones, rounded at joints: degree 2, its control points are the joints and, on both sides of each inner joint, the points
+    /// at this fraction of the bone from it, > 0 and ≤ 0.5.
+    Rounded(f32),
+    /// The paper's: the joints are the control polygon of a cubic B-spline.
+    Chain,
+}
+
+/// A joint that is held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pin {
+    /// Which joint, from 0; not the tip, which has the goal.
+    pub joint: usize,
+    /// Where.
+    pub point: Keyed<[f32; 3]>,
+}
+
+/// What the scale of a limb follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ScaleBy {
+    /// The length of the whole limb.
+    #[default]
+    Length,
+    /// The stretch of the curve at each place.
+    Local,
+}
+
+/// Which way the tip of a limb points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Tip {
+    /// As the limb does.
+    #[default]
+    Follow,
+    /// It keeps an orientation: turned from its rest by these angles about X, then Y, then Z, radians.
+    Hold([f32; 3]),
+}
+
+/// What follows a limb.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Influence {
+    /// Everything: `F` is 1 everywhere, the paper's large radius.
+    #[default]
+    All,
+    /// What is near: `F` falls to 0 at this distance from the chain, > 0.
+    Radius(f32),
+    /// What hangs on the chain's joints, and on those below them, as far as it does by its weights. `F` is the sum of these; what a
+    /// chain's joints carry only a skin knows, so that here it is the same as [`Influence::All`].
+    SkinWeights,
+}
