@@ -52,6 +52,7 @@ mod runs;
 mod search;
 mod simd;
 mod spans;
+mod stations;
 mod tiles;
 mod trig;
 mod wire;
@@ -63,6 +64,7 @@ pub use density::{Density, Profile, ProfileError};
 pub use keyed::{Interpolate, Keyed, Keys, KeysError};
 pub use lattice::{Lattice, LatticeBinding, LatticeError, MAX_LATTICE_CELLS};
 pub use mask::Mask;
+pub use stations::Station;
 pub use wire::{
     Bend, Blend, Bounded, Closest, Correspondence, Domain, Interpolation, LARGEST_TWIST, Locator, Wire,
     WireError,

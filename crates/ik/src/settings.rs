@@ -1,6 +1,10 @@
 //! What a limb is, as a preset says it.
 
-use wirework_core::{Closest, Keyed};
+use std::ops::RangeInclusive;
+
+use wirework_core::{Closest, Keyed, LARGEST_TWIST};
+
+use crate::error::IkError;
 
 /// The settings of a limb: all but where its joints are and where its tip is to go. Lengths are in the unit of the joints; bones
 /// count from the root, bone `i` leads from joint `i` to joint `i + 1`.
@@ -112,4 +116,85 @@ pub enum Influence {
     /// What hangs on the chain's joints, and on those below them, as far as it does by its weights. `F` is the sum of these; what a
     /// chain's joints carry only a skin knows, so that here it is the same as [`Influence::All`].
     SkinWeights,
+}
+
+/// A range and how a message says it.
+const UNIT: (&str, RangeInclusive<f32>) = ("from 0 to 1", 0.0..=1.0);
+
+impl Ik {
+    /// Whether every value is in its range, for a chain of so many joints.
+    pub(crate) fn check(&self, joints: usize) -> Result<(), IkError> {
+        let bones = joints.saturating_sub(1);
+        let count = |field, found: usize, most: usize, expected: String| {
+            if found == 0 || (bones..=most).contains(&found) {
+                return Ok(());
+            }
+            Err(IkError::Count { field, joints, found, expected })
+        };
+        count("stiffness", self.stiffness.len(), bones, format!("{bones}, one a bone, or none"))?;
+        count(
+            "limits",
+            self.limits.len(),
+            joints,
+            format!("{bones}, one a joint but the tip, {joints} with one that does nothing, or none"),
+        )?;
+        let one = |field, value: f32, (expected, range): (&'static str, RangeInclusive<f32>)| {
+            // NaN lies in no range.
+            if range.contains(&value) && value.is_finite() {
+                return Ok(());
+            }
+            Err(IkError::Value { field, index: None, expected, found: value })
+        };
+        let each = |field, values: &[f32], within: &(&'static str, RangeInclusive<f32>)| {
+            let bad = values.iter().position(|value| one(field, *value, within.clone()).is_err());
+            bad.map_or(Ok(()), |index| {
+                Err(IkError::Value { field, index: Some(index), expected: within.0, found: values[index] })
+            })
+        };
+        let all = |field, track: &Keyed<f32>, within: &(&'static str, RangeInclusive<f32>)| {
+            track.values().try_for_each(|value| one(field, *value, within.clone()))
+        };
+        if let ChainCurve::Rounded(part) = self.curve {
+            one("curve", part, ("greater than 0 and at most 0.5", f32::MIN_POSITIVE..=0.5))?;
+        }
+        all("elasticity", &self.elasticity, &UNIT)?;
+        each("stiffness", &self.stiffness, &UNIT)?;
+        each("limits", &self.limits, &("an angle greater than 0", f32::MIN_POSITIVE..=f32::MAX))?;
+        one("max_stretch", self.max_stretch, ("1 or more", 1.0..=f32::MAX))?;
+        one("min_stretch", self.min_stretch, UNIT)?;
+        one("softness", self.softness, UNIT)?;
+        one("volume", self.volume, UNIT)?;
+        all("twist", &self.twist, &("an angle up to a million radians", -LARGEST_TWIST..=LARGEST_TWIST))?;
+        if let Tip::Hold(angles) = self.tip {
+            each("tip", &angles, &("an angle", f32::MIN..=f32::MAX))?;
+        }
+        if let Influence::Radius(radius) = self.influence {
+            one("influence", radius, ("a length greater than 0", f32::MIN_POSITIVE..=f32::MAX))?;
+        }
+        if let Closest::Blended(width) = self.closest {
+            one("closest", width, ("a length greater than 0", f32::MIN_POSITIVE..=f32::MAX))?;
+        }
+        self.check_points(bones)
+    }
+
+    fn check_points(&self, bones: usize) -> Result<(), IkError> {
+        let finite = |field, track: &Keyed<[f32; 3]>| {
+            let mut coordinates = track.values().flatten();
+            coordinates.find(|c| !c.is_finite()).map_or(Ok(()), |&found| {
+                Err(IkError::Value { field, index: None, expected: "a finite point", found })
+            })
+        };
+        self.pole.iter().try_for_each(|pole| finite("pole", pole))?;
+        for (index, pin) in self.pins.iter().enumerate() {
+            let joint = pin.joint;
+            if joint >= bones {
+                return Err(IkError::Pin { pin: index, joint, last: bones.saturating_sub(1) });
+            }
+            if self.pins[..index].iter().any(|earlier| earlier.joint == joint) {
+                return Err(IkError::Pinned { pin: index, joint });
+            }
+            finite("pins", &pin.point)?;
+        }
+        Ok(())
+    }
 }

@@ -1,0 +1,264 @@
+//! Joints that may turn only so far.
+//!
+//! The bone at a joint keeps within a cone about the direction that it has at rest, carried along by the bone before it: by the least
+//! rotation at each joint, from the root on. Where a pose leaves its cones it is turned back into them, and then, in turn, towards its goal by
+//! all joints at once and back into them: joints at their border give their part to the others. The number of rounds is fixed and
+//! every step is continuous, so that the pose is continuous in the goal where the one without cones is.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use crate::turn::{aside, least_rotation};
+
+/// Rounds of turning joints: where half of them stand at their borders each round leaves half of what is missing.
+const ROUNDS: usize = 40;
+
+/// Rounds of growing.
+const GROWTHS: usize = 16;
+
+/// Added to what a turn of all joints moves the end by, as a part of that, so that a limb that points at its goal does not thrash.
+const DAMPING: f64 = 0.3;
+
+/// Joints that stand at their borders give their part to the others, which may bring these to theirs: so often.
+const PASSES: usize = 3;
+
+/// A bone this near to the border of its cone, radians, begins to feel it.
+const ROOM: f64 = 0.05;
+
+/// The most that a joint turns in a round, radians.
+const LARGEST_TURN: f64 = 0.5;
+
+/// This part of the length from the goal is there.
+const THERE: f64 = 1e-9;
+
+/// The cones of consecutive bones.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cones<'a> {
+    /// The bones at rest.
+    pub(crate) rest: &'a [DVec3],
+    /// Half angles, radians; none is free.
+    pub(crate) angles: &'a [f64],
+    /// How the bone before has turned from its rest.
+    pub(crate) before: DQuat,
+}
+
+impl Cones<'_> {
+    /// Turns bones into their cones, each with all that come after it. Whether any was outside.
+    pub(crate) fn clamp(&self, bones: &mut [DVec3]) -> bool {
+        let mut frame = self.before;
+        let mut outside = false;
+        for i in 0..bones.len() {
+            let axis = frame * self.rest[i];
+            if let Some(&limit) = self.angles.get(i) {
+                let angle = axis.angle_between(bones[i]);
+                if angle > limit {
+                    outside = true;
+                    let across = axis.cross(bones[i]);
+                    let about = across.try_normalize().unwrap_or_else(|| aside(axis.normalize_or_zero()));
+                    let back = DQuat::from_axis_angle(about, limit - angle);
+                    bones[i..].iter_mut().for_each(|bone| *bone = back * *bone);
+                }
+            }
+            frame = least_rotation(axis, bones[i], aside(axis.normalize_or_zero())) * frame;
+        }
+        outside
+    }
+
+    /// How the last bone has turned from its rest.
+    pub(crate) fn after(&self, bones: &[DVec3]) -> DQuat {
+        self.rest.iter().zip(bones).fold(self.before, |frame, (rest, bone)| {
+            let axis = frame * *rest;
+            least_rotation(axis, *bone, aside(axis.normalize_or_zero())) * frame
+        })
+    }
+
+    /// By how much the bone that is farthest out of its cone is so, radians; negative inside.
+    fn excess(&self, bones: &[DVec3]) -> f64 {
+        let mut frame = self.before;
+        let excess = |(i, bone): (usize, &DVec3)| {
+            let axis = frame * self.rest[i];
+            frame = least_rotation(axis, *bone, aside(axis.normalize_or_zero())) * frame;
+            axis.angle_between(*bone) - self.angles.get(i).copied().unwrap_or(f64::INFINITY)
+        };
+        bones.iter().enumerate().map(excess).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Takes bones back towards their rest until they are inside their cones.
+    fn inside(&self, bones: &mut [DVec3]) {
+        let turns: Vec<DVec3> = self
+            .rest
+            .iter()
+            .zip(&*bones)
+            .map(|(rest, bone)| {
+                let axis = self.before * *rest;
+                least_rotation(axis, *bone, aside(axis.normalize_or_zero())).to_scaled_axis()
+            })
+            .collect();
+        let lengths: Vec<f64> = bones.iter().map(|bone| bone.length()).collect();
+        let mut place = |part: f64| {
+            for (i, bone) in bones.iter_mut().enumerate() {
+                let axis = (self.before * self.rest[i]).normalize_or_zero();
+                *bone = DQuat::from_scaled_axis(turns[i] * part) * axis * lengths[i];
+            }
+            self.excess(bones)
+        };
+        let part = crate::root::root(&mut place, 0.0, 1.0);
+        place(part);
+    }
+
+    /// Turns bones into their cones, and so that their end comes as near to a goal as it can.
+    pub(crate) fn reach(&self, bones: &mut [DVec3], goal: DVec3) {
+        if self.excess(bones) > 0.0 {
+            self.inside(bones);
+        }
+        let total: f64 = bones.iter().map(|bone| bone.length()).sum();
+        for _ in 0..ROUNDS {
+            let end: DVec3 = bones.iter().sum();
+            let miss = goal - end;
+            if miss.length() < THERE * total {
+                return;
+            }
+            self.step(bones, miss, end);
+            self.clamp(bones);
+        }
+    }
+
+    /// The same of bones that may grow for it, each by its share, to a length of all of them.
+    pub(crate) fn stretch(&self, bones: &mut [DVec3], goal: DVec3, shares: &[f64], most: f64) {
+        self.reach(bones, goal);
+        for _ in 0..GROWTHS {
+            let total: f64 = bones.iter().map(|bone| bone.length()).sum();
+            let miss = bones.iter().sum::<DVec3>().distance(goal);
+            // A bent limb comes nearer by less than it grows.
+            let more = (2.0 * miss).min(most - total);
+            if miss < THERE * total || more <= 0.0 {
+                return;
+            }
+            for (bone, share) in bones.iter_mut().zip(shares) {
+                *bone *= 1.0 + more * share / bone.length().max(f64::MIN_POSITIVE);
+            }
+            self.reach(bones, goal);
+        }
+    }
+
+    /// Turns all joints at once so that the end moves by `miss`, as far as it can to first order and cones let it: the least of all such
+    /// turns, in the sum of their squares.
+    fn step(&self, bones: &mut [DVec3], miss: DVec3, end: DVec3) {
+        let mut joint = DVec3::ZERO;
+        let arm = |bone: &DVec3| {
+            let arm = end - joint;
+            joint += *bone;
+            arm
+        };
+        let arms: Vec<DVec3> = bones.iter().map(arm).collect();
+        let borders = self.borders(bones);
+        let reach: f64 = arms.iter().map(|arm| arm.length_squared()).sum();
+        let damping = DAMPING * reach.sqrt() * miss.length();
+        let mut turns = vec![DVec3::ZERO; bones.len()];
+        // How much of what would take a bone out of its cone is left to it.
+        let mut left = vec![1.0; bones.len()];
+        for _ in 0..PASSES {
+            let ways = || arms.iter().zip(&borders).zip(&left);
+            let held = |v: DVec3, out: DVec3, left: f64| v - out * (out.dot(v) * (1.0 - left));
+            let moved = |way: ((&DVec3, &(DVec3, f64)), &f64), push: DVec3| {
+                let ((arm, (out, _)), left) = way;
+                held(arm.cross(push), *out, *left)
+            };
+            let column = |axis: DVec3| {
+                ways().map(|way| moved(way, axis).cross(*way.0.0)).sum::<DVec3>() + axis * damping
+            };
+            let push =
+                DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z)).inverse() * miss;
+            if !push.is_finite() {
+                return;
+            }
+            for (turn, way) in turns.iter_mut().zip(ways()) {
+                *turn = moved(way, push);
+            }
+            for ((left, turn), (out, slack)) in left.iter_mut().zip(&turns).zip(&borders) {
+                if turn.dot(*out) > 0.0 {
+                    *left = *slack;
+                }
+            }
+        }
+        let largest = turns.iter().map(|turn| turn.length()).fold(0.0, f64::max);
+        let part = if largest > LARGEST_TURN { LARGEST_TURN / largest } else { 1.0 };
+        let mut sum = DVec3::ZERO;
+        for (bone, turn) in bones.iter_mut().zip(&turns) {
+            sum += *turn * part;
+            *bone = DQuat::from_scaled_axis(sum) * *bone;
+        }
+    }
+
+    /// Of each bone the axis about which it turns out of its cone, and how much room is left there: 0 at the border ..= 1 well inside.
+    fn borders(&self, bones: &[DVec3]) -> Vec<(DVec3, f64)> {
+        let mut frame = self.before;
+        let border = |(i, bone): (usize, &DVec3)| {
+            let axis = frame * self.rest[i];
+            frame = least_rotation(axis, *bone, aside(axis.normalize_or_zero())) * frame;
+            let limit = self.angles.get(i).copied().unwrap_or(f64::INFINITY);
+            let room = ((limit - axis.angle_between(*bone)) / ROOM).clamp(0.0, 1.0);
+            (axis.cross(*bone).normalize_or_zero(), room)
+        };
+        bones.iter().enumerate().map(border).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::Run;
+
+    /// Numbers from 0 to 1 without a pattern.
+    fn noise(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A pose within cones, from random turns.
+    fn posed(rest: &[DVec3], angles: &[f64], seed: &mut u64) -> Vec<DVec3> {
+        let mut frame = DQuat::IDENTITY;
+        let bone = |(rest, limit): (&DVec3, &f64)| {
+            let axis = frame * *rest;
+            let (across, turn) = (aside(axis.normalize()), noise(seed) * std::f64::consts::TAU);
+            let about = DQuat::from_axis_angle(axis.normalize(), turn) * across;
+            let bone = DQuat::from_axis_angle(about, 0.97 * limit * noise(seed).sqrt()) * axis;
+            frame = least_rotation(axis, bone, about) * frame;
+            bone
+        };
+        rest.iter().zip(angles).map(bone).collect()
+    }
+
+    #[test]
+    fn what_cones_can_reach_they_mostly_do() {
+        let mut seed = 7;
+        let (mut reached, mut all) = (0, 0);
+        for count in 2..9 {
+            for _ in 0..100 {
+                let rest: Vec<DVec3> = (0..count)
+                    .map(|_| {
+                        DVec3::new(1.0, noise(&mut seed) - 0.5, noise(&mut seed) - 0.5)
+                            * (0.3 + noise(&mut seed))
+                    })
+                    .collect();
+                let angles: Vec<f64> = (0..count).map(|_| 0.2 + noise(&mut seed)).collect();
+                let goal: DVec3 = posed(&rest, &angles, &mut seed).iter().sum();
+                let mut joints = vec![DVec3::ZERO];
+                joints.extend(rest.iter().scan(DVec3::ZERO, |joint, bone| {
+                    *joint += *bone;
+                    Some(*joint)
+                }));
+                let run = Run::new(&joints, DVec3::ZERO);
+                let mut bones = run.rigid(DVec3::ZERO, goal, None);
+                let cones = Cones { rest: &rest, angles: &angles, before: DQuat::IDENTITY };
+                cones.reach(&mut bones, goal);
+                assert!(cones.excess(&bones) < 1e-9);
+                for (bone, rest) in bones.iter().zip(&rest) {
+                    assert!((bone.length() - rest.length()).abs() < 1e-9);
+                }
+                all += 1;
+                reached += u32::from(bones.iter().sum::<DVec3>().distance(goal) < 1e-3 * run.total);
+            }
+        }
+        assert!(reached * 100 >= all * 99, "{reached} of {all}");
+    }
+}

@@ -1,0 +1,278 @@
+//! A chain of joints and how it reaches for a goal.
+//!
+//! \[SF98\] §5.3: "the control polygon of the curve acts like an articulated rigid body", and "a rubberband like behavior by transforming
+//! the control points of the curve proportionally along the joint chain based on the motion of the end effector". The paper gives no
+//! solver. Here the rigid body takes the shape between its rest and a bow ([`crate::bow`]) that spans the distance to the goal; the plane
+//! in which it bends is that of the rest, turned by the least rotation from the direction of the rest to that of the goal.
+//! Nothing is remembered from one moment to the next.
+
+use glam::{DQuat, DVec3};
+use wirework_core::Keyed;
+
+use crate::cones::Cones;
+use crate::error::IkError;
+use crate::run::{Run, Stretch};
+use crate::settings::Ik;
+use crate::turn::{double, least_rotation};
+use crate::wire::Spine;
+
+/// Joints nearer to each other than this part of the chain's length are at one place.
+const COINCIDENT: f64 = 1e-6;
+
+/// How much of the bend of a chain at rest one that has moved takes over, as a part of the square of its length: so a limb that a clip
+/// stretches straight keeps its bend. A twentieth is the area under an elbow bent by 12°.
+const KEPT: f64 = 0.05;
+
+/// A chain of joints as a limb, at rest.
+#[derive(Clone, Debug)]
+pub struct Limb {
+    pub(crate) settings: Ik,
+    pub(crate) joints: Vec<DVec3>,
+    pub(crate) spine: Spine,
+    /// Between joints that are held, from the root to the tip.
+    runs: Vec<Run>,
+    /// Of each bone: its part in the motion of the end of its run.
+    shares: Vec<f64>,
+    /// Of each bone 0 ..= 1.
+    stiffness: Vec<f64>,
+    limits: Vec<f64>,
+}
+
+/// Where the joints of a limb are at a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    pub(crate) joints: Vec<DVec3>,
+}
+
+impl Pose {
+    /// The joints, from the root to the tip.
+    pub fn joints(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.joints.iter().map(DVec3::to_array)
+    }
+
+    /// The sum of the lengths of the bones.
+    pub fn length(&self) -> f64 {
+        self.joints.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
+    }
+}
+
+impl Limb {
+    /// A limb with these joints at rest, from the root to the tip.
+    ///
+    /// # Errors
+    ///
+    /// Fewer than two joints, two at one place, a setting out of range or of another number than the chain asks for.
+    pub fn new(joints: &[[f32; 3]], settings: &Ik) -> Result<Self, IkError> {
+        let joints: Vec<DVec3> = joints.iter().map(|joint| double(*joint)).collect();
+        check_joints(&joints)?;
+        settings.check(joints.len())?;
+        let bones = joints.len() - 1;
+        let mut stiffness: Vec<f64> = settings.stiffness.iter().map(|k| f64::from(*k)).collect();
+        stiffness.resize(bones, 0.0);
+        let mut limb = Self {
+            settings: settings.clone(),
+            runs: Vec::new(),
+            shares: Vec::new(),
+            limits: settings.limits.iter().take(bones).map(|limit| f64::from(*limit)).collect(),
+            stiffness,
+            spine: Spine::new(&joints, settings)?,
+            joints,
+        };
+        limb.divide(|_| DVec3::ZERO);
+        Ok(limb)
+    }
+
+    /// The same limb where its joints have moved to, as by a clip: a chain of another rest. It takes over as much of this one's bend
+    /// as keeps an arm that is stretched out from bending the other way.
+    ///
+    /// # Errors
+    ///
+    /// Another number of joints, two at one place, one that is not finite.
+    pub fn moved(&self, joints: &[[f32; 3]]) -> Result<Self, IkError> {
+        if joints.len() != self.joints.len() {
+            return Err(IkError::Joints { found: joints.len() });
+        }
+        let joints: Vec<DVec3> = joints.iter().map(|joint| double(*joint)).collect();
+        check_joints(&joints)?;
+        let spine = Spine::new(&joints, &self.settings)?;
+        let mut limb = Self {
+            settings: self.settings.clone(),
+            joints,
+            spine,
+            runs: Vec::new(),
+            shares: Vec::new(),
+            stiffness: self.stiffness.clone(),
+            limits: self.limits.clone(),
+        };
+        let mut first = 0;
+        let carried: Vec<DVec3> = self
+            .runs
+            .iter()
+            .map(|run| {
+                let last = first + run.bones.len();
+                let (was, is) =
+                    (self.joints[last] - self.joints[first], limb.joints[last] - limb.joints[first]);
+                first = last;
+                least_rotation(was, is, run.normal) * run.normal * (KEPT * run.total * run.total)
+            })
+            .collect();
+        limb.divide(|run| carried[run]);
+        Ok(limb)
+    }
+
+    /// Divides the chain at joints that are held.
+    fn divide(&mut self, bend: impl Fn(usize) -> DVec3) {
+        let mut held: Vec<usize> =
+            self.settings.pins.iter().map(|pin| pin.joint).filter(|j| *j > 0).collect();
+        held.sort_unstable();
+        held.push(self.joints.len() - 1);
+        let mut first = 0;
+        for (index, last) in held.into_iter().enumerate() {
+            let run = Run::new(&self.joints[first..=last], bend(index));
+            let soft: Vec<f64> =
+                run.lengths.iter().zip(&self.stiffness[first..last]).map(|(l, k)| l * (1.0 - k)).collect();
+            let whole: f64 = soft.iter().sum();
+            // Where nothing gives there is nothing to share; the elasticity is 0 then.
+            let whole = if whole > 0.0 { whole } else { f64::INFINITY };
+            self.shares.extend(soft.iter().map(|soft| soft / whole));
+            self.runs.push(run);
+            first = last;
+        }
+    }
+
+    /// The joints at rest, from the root to the tip.
+    pub fn joints(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.joints.iter().map(DVec3::to_array)
+    }
+
+    /// Where the tip is at rest.
+    pub fn tip(&self) -> [f64; 3] {
+        self.joints[self.joints.len() - 1].to_array()
+    }
+
+    /// The settings it was made with.
+    pub fn settings(&self) -> &Ik {
+        &self.settings
+    }
+
+    /// The joints as they reach for a goal at a time in seconds. With the goal where the tip is at rest, and pins where their joints are,
+    /// they are at rest, exactly.
+    pub fn pose(&self, goal: [f64; 3], seconds: f64) -> Pose {
+        let at = |track: &Keyed<[f32; 3]>| double(track.at(seconds));
+        let goal = DVec3::from_array(goal);
+        let mut held: Vec<(usize, DVec3)> =
+            self.settings.pins.iter().map(|pin| (pin.joint, at(&pin.point))).collect();
+        held.push((self.joints.len() - 1, goal));
+        if held.iter().all(|(joint, place)| *place == self.joints[*joint]) {
+            return Pose { joints: self.joints.clone() };
+        }
+        held.sort_by_key(|(joint, _)| *joint);
+        let root = if held[0].0 == 0 { held.remove(0).1 } else { self.joints[0] };
+        let pole = self.settings.pole.as_ref().map(at);
+        let elasticity = f64::from(self.settings.elasticity.at(seconds)).clamp(0.0, 1.0);
+        let bones = self.bones(root, &held, pole, elasticity);
+        let mut joints = vec![root];
+        joints.extend(bones.iter().scan(root, |joint, bone| {
+            *joint += *bone;
+            Some(*joint)
+        }));
+        Pose { joints }
+    }
+
+    /// The bones between rigid and elastic.
+    fn bones(
+        &self,
+        root: DVec3,
+        held: &[(usize, DVec3)],
+        pole: Option<DVec3>,
+        elasticity: f64,
+    ) -> Vec<DVec3> {
+        let stretch = Stretch {
+            most: f64::from(self.settings.max_stretch),
+            least: f64::from(self.settings.min_stretch),
+            softness: f64::from(self.settings.softness),
+        };
+        let mut all = Vec::with_capacity(self.joints.len() - 1);
+        let (mut rigid_base, mut elastic_base) = (root, root);
+        let [mut rigid_turn, mut elastic_turn, mut turn] = [DQuat::IDENTITY; 3];
+        for (run, (last, goal)) in self.runs.iter().zip(held) {
+            let own = last - run.bones.len()..*last;
+            let limits = self.limits.get(own.clone()).unwrap_or_default();
+            let (shares, stiffness) = (&self.shares[own.clone()], &self.stiffness[own]);
+            let give = stiffness.iter().map(|k| 1.0 - k).fold(0.0, f64::max);
+            let part = elasticity * give;
+            let mut rigid = if part < 1.0 { run.rigid(rigid_base, *goal, pole) } else { Vec::new() };
+            let mut elastic =
+                if part > 0.0 { run.elastic(elastic_base, *goal, pole, shares, stretch) } else { Vec::new() };
+            if !limits.is_empty() {
+                let cones = |before| Cones { rest: &run.bones, angles: limits, before };
+                let end: DVec3 = rigid.iter().sum();
+                cones(rigid_turn).reach(&mut rigid, end);
+                rigid_turn = cones(rigid_turn).after(&rigid);
+                let end: DVec3 = elastic.iter().sum();
+                cones(elastic_turn).stretch(&mut elastic, end, shares, stretch.most * run.total);
+                elastic_turn = cones(elastic_turn).after(&elastic);
+            }
+            rigid_base += rigid.iter().sum::<DVec3>();
+            elastic_base += elastic.iter().sum::<DVec3>();
+            let mut bones = match (rigid.is_empty(), elastic.is_empty()) {
+                (false, true) => rigid,
+                (true, _) => elastic,
+                _ => {
+                    let mut bones: Vec<DVec3> =
+                        rigid.iter().zip(&elastic).map(|(r, e)| r.lerp(*e, part)).collect();
+                    stiffen(&mut bones, &run.lengths, &elastic, part, (shares, stiffness));
+                    bones
+                }
+            };
+            if !limits.is_empty() {
+                // A mean of what keeps within cones need not.
+                let cones = Cones { rest: &run.bones, angles: limits, before: turn };
+                let end: DVec3 = bones.iter().sum();
+                cones.reach(&mut bones, end);
+                turn = cones.after(&bones);
+            }
+            all.extend(bones);
+        }
+        all
+    }
+}
+
+/// Gives stiff bones the lengths that they have between rigid and elastic, which a mean of two directions shortens; soft ones take up
+/// what that moves the end by.
+fn stiffen(
+    bones: &mut [DVec3],
+    lengths: &[f64],
+    elastic: &[DVec3],
+    part: f64,
+    (shares, stiffness): (&[f64], &[f64]),
+) {
+    if stiffness.iter().all(|k| *k == 0.0) {
+        return;
+    }
+    let before: DVec3 = bones.iter().sum();
+    for (i, bone) in bones.iter_mut().enumerate() {
+        let (own, k) = (bone.length(), stiffness[i]);
+        let kept = lengths[i] + part * (1.0 - k) * (elastic[i].length() - lengths[i]);
+        if own > 0.0 {
+            *bone *= (own + k * (kept - own)) / own;
+        }
+    }
+    let off = before - bones.iter().sum::<DVec3>();
+    bones.iter_mut().zip(shares).for_each(|(bone, share)| *bone += off * *share);
+}
+
+fn check_joints(joints: &[DVec3]) -> Result<(), IkError> {
+    if joints.len() < 2 {
+        return Err(IkError::Joints { found: joints.len() });
+    }
+    let total: f64 = joints.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    if let Some(joint) = joints.iter().position(|joint| !joint.is_finite()) {
+        return Err(IkError::NotFinite { joint });
+    }
+    let near = |pair: &[DVec3]| pair[0].distance(pair[1]) <= COINCIDENT * total;
+    match joints.windows(2).position(near) {
+        Some(bone) => Err(IkError::Coincident { joint: bone + 1 }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,264 @@
+//! Bones between two joints that are held, and how they reach from the one to the other: rigid, or as rubber.
+
+use glam::{DQuat, DVec3};
+
+use crate::bow::Bows;
+use crate::root::root;
+use crate::turn::{aside, least_rotation};
+
+/// A chain that encloses less than this part of the square of its length with the line between its ends is straight: joints in float32
+/// are no more exact.
+const STRAIGHT: f64 = 1e-6;
+
+/// Ends nearer than this part of the length give no direction.
+const POINT: f64 = 1e-9;
+
+/// Where the shape is no bow at rest, the first of several shapes of one span is looked for in so many steps.
+const SCAN: u32 = 8;
+
+/// Within this part of the length from the goal at rest a pole that does not lie in the plane of the rest has not turned the limb
+/// altogether: at rest it has not turned it at all.
+const EASED: f64 = 0.1;
+
+/// A run of bones at rest.
+#[derive(Clone, Debug)]
+pub(crate) struct Run {
+    /// Each bone as a vector.
+    pub(crate) bones: Vec<DVec3>,
+    pub(crate) lengths: Vec<f64>,
+    /// Their sum.
+    pub(crate) total: f64,
+    /// From the first joint to the last.
+    chord: DVec3,
+    span: f64,
+    /// The unit vector along it.
+    direction: DVec3,
+    /// The unit normal of the plane in which it bends: turning about it, one bone leads to the next.
+    pub(crate) normal: DVec3,
+    bows: Bows,
+    /// The bow that spans as much as the bones do at rest: its arch, and the angles of its bones.
+    arch: f64,
+    angles: Vec<f64>,
+    /// From the bones of that bow to those of the rest, as rotation vectors.
+    aside: Vec<DVec3>,
+    is_bow: bool,
+    is_straight: bool,
+}
+
+/// How far rubber stretches.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    /// As factors on the length at rest.
+    pub(crate) most: f64,
+    pub(crate) least: f64,
+    /// Which part of the way to the greatest length is eased.
+    pub(crate) softness: f64,
+}
+
+impl Run {
+    /// The bones between neighbouring ones of at least two joints. `bend` is the normal that a straight chain has, and a part of that of
+    /// a nearly straight one; of any length, 0 where there is none.
+    pub(crate) fn new(joints: &[DVec3], bend: DVec3) -> Self {
+        let bones: Vec<DVec3> = joints.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let lengths: Vec<f64> = bones.iter().map(|bone| bone.length()).collect();
+        let total: f64 = lengths.iter().sum();
+        let chord = joints[joints.len() - 1] - joints[0];
+        let span = chord.length();
+        let first = bones[0] / lengths[0];
+        let mut direction = if span > POINT * total { chord / span } else { first };
+        let area: DVec3 =
+            joints.windows(2).map(|pair| (pair[0] - joints[0]).cross(pair[1] - joints[0])).sum();
+        let is_straight = span > total * (1.0 - STRAIGHT * STRAIGHT) || {
+            let corner = |pair: &[DVec3]| pair[0].cross(pair[1]).length();
+            bones.windows(2).map(corner).fold(0.0, f64::max) < STRAIGHT * total * total
+        };
+        let normal = Self::normal_of(&bones, area + bend, direction, total);
+        if span <= POINT * total {
+            // Closed: the line between its ends is where a bow has it.
+            direction = normal.cross(aside(normal));
+        }
+        let bows = Bows::new(lengths.clone());
+        let arch = if is_straight { 0.0 } else { bows.spanning(span) };
+        let mut run = Self {
+            bones,
+            lengths,
+            total,
+            chord,
+            span,
+            direction,
+            normal,
+            bows,
+            arch,
+            angles: Vec::new(),
+            aside: Vec::new(),
+            is_bow: true,
+            is_straight,
+        };
+        run.bows.angles_into(arch, &mut run.angles);
+        let from_bow = |(bone, angle): (&DVec3, &f64)| {
+            least_rotation(run.in_plane(*angle), *bone, run.normal).to_scaled_axis()
+        };
+        run.aside = run.bones.iter().zip(&run.angles).map(from_bow).collect();
+        run.is_bow = run.aside.iter().all(|turn| turn.length() < STRAIGHT);
+        run
+    }
+
+    /// The normal of the plane of a bend: the area that the chain encloses, or else its sharpest corner, or else so that it bends
+    /// towards the coordinate axis least aligned with it.
+    fn normal_of(bones: &[DVec3], area: DVec3, direction: DVec3, total: f64) -> DVec3 {
+        let noise = STRAIGHT * total * total;
+        let across = |v: DVec3| (v - direction * direction.dot(v)).normalize_or_zero();
+        if area.length() > noise {
+            let normal = across(area);
+            if normal != DVec3::ZERO {
+                return normal;
+            }
+        }
+        let corners = bones.windows(2).map(|pair| pair[0].cross(pair[1]));
+        let sharpest = corners.fold(DVec3::ZERO, |a, b| if b.length() > a.length() { b } else { a });
+        if sharpest.length() > noise {
+            let normal = across(sharpest);
+            if normal != DVec3::ZERO {
+                return normal;
+            }
+        }
+        aside(direction).cross(direction)
+    }
+
+    /// The direction at an angle against the line between the ends, in the plane of the bend.
+    fn in_plane(&self, angle: f64) -> DVec3 {
+        self.direction * angle.cos() + self.normal.cross(self.direction) * angle.sin()
+    }
+
+    /// The bones of the shape `part` of the way from the rest to the bow of the arch `end`.
+    fn shape_into(&self, part: f64, end: f64, angles: &mut Vec<f64>, out: &mut Vec<DVec3>) {
+        self.bows.angles_into(self.arch + (end - self.arch) * part, angles);
+        out.clear();
+        for (i, angle) in angles.iter().enumerate() {
+            let bone = if self.is_bow {
+                self.in_plane(*angle)
+            } else {
+                let turned =
+                    DQuat::from_scaled_axis(self.aside[i] * (1.0 - part)) * self.in_plane(self.angles[i]);
+                DQuat::from_axis_angle(self.normal, angle - self.angles[i]) * turned
+            };
+            out.push(bone * self.lengths[i]);
+        }
+    }
+
+    /// The bones of the shape that spans a distance which they can span.
+    fn shape(&self, distance: f64) -> Vec<DVec3> {
+        let (mut angles, mut bones) = (Vec::new(), Vec::new());
+        let closing = distance < self.span;
+        let end = if closing { self.bows.closed() } else { 0.0 };
+        // Below 0 at rest.
+        let mut miss = |part: f64| {
+            self.shape_into(part, end, &mut angles, &mut bones);
+            let span = bones.iter().sum::<DVec3>().length();
+            if closing { distance - span } else { span - distance }
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        if !self.is_bow {
+            for i in 1..SCAN {
+                let part = f64::from(i) / f64::from(SCAN);
+                if miss(part) >= 0.0 {
+                    high = part;
+                    break;
+                }
+                low = part;
+            }
+        }
+        let part = root(&mut miss, low, high);
+        miss(part);
+        bones
+    }
+
+    /// The bones, of their own lengths, so that they reach from `base` to `goal`, or as far towards it as they can.
+    pub(crate) fn rigid(&self, base: DVec3, goal: DVec3, pole: Option<DVec3>) -> Vec<DVec3> {
+        let to = goal - base;
+        let distance = to.length();
+        let ahead = if distance > POINT * self.total { to / distance } else { self.direction };
+        if distance >= self.total {
+            return self.lengths.iter().map(|length| ahead * *length).collect();
+        }
+        let bones = self.shape(distance);
+        let chord: DVec3 = bones.iter().sum();
+        let level = if chord.length() > POINT * self.total {
+            least_rotation(chord, self.direction, self.normal)
+        } else {
+            DQuat::IDENTITY
+        };
+        let mut turn = least_rotation(self.direction, ahead, self.normal) * level;
+        if let Some(pole) = pole {
+            // At rest nothing turns.
+            let moved = to.distance(self.chord) / (EASED * self.total);
+            let part =
+                if self.is_straight || moved >= 1.0 { 1.0 } else { moved * moved * (3.0 - 2.0 * moved) };
+            turn = DQuat::from_axis_angle(ahead, part * self.towards(pole - base, ahead, turn)) * turn;
+        }
+        bones.into_iter().map(|bone| turn * bone).collect()
+    }
+
+    /// The angle about the line to the goal that brings the bend, turned by `turn`, to the side of a pole.
+    fn towards(&self, pole: DVec3, ahead: DVec3, turn: DQuat) -> f64 {
+        let across = |v: DVec3| v - ahead * ahead.dot(v);
+        // A bow bulges away from where its bones turn to.
+        let (now, wanted) = (across(turn * self.direction.cross(self.normal)), across(pole));
+        if wanted.length() <= POINT * self.total || now.length() <= POINT {
+            return 0.0;
+        }
+        now.cross(wanted).dot(ahead).atan2(now.dot(wanted))
+    }
+
+    /// The bones as a rubber band from `base` to `goal`: each takes its share of the motion of the end. Where that is longer than they may be
+    /// they straighten out, where it is shorter they bend, as they do when rigid.
+    pub(crate) fn elastic(
+        &self,
+        base: DVec3,
+        goal: DVec3,
+        pole: Option<DVec3>,
+        shares: &[f64],
+        stretch: Stretch,
+    ) -> Vec<DVec3> {
+        let to = goal - base;
+        let distance = to.length();
+        let reach = stretch.eased(distance, self.total);
+        let to = if reach < distance { to * (reach / distance) } else { to };
+        let pull = to - self.chord;
+        let mut bones: Vec<DVec3> =
+            self.bones.iter().zip(shares).map(|(bone, share)| bone + pull * *share).collect();
+        let length = |bones: &[DVec3]| bones.iter().map(|bone| bone.length()).sum::<f64>();
+        let (most, least) = (stretch.most * self.total, stretch.least * self.total);
+        let own = length(&bones);
+        if own > most {
+            let ahead = to.normalize_or(self.direction);
+            let even = |(length, share): (&f64, &f64)| ahead * (length + share * (reach - self.total));
+            let straight: Vec<DVec3> = self.lengths.iter().zip(shares).map(even).collect();
+            let between = |part: f64| straight.iter().zip(&bones).map(move |(s, b)| s.lerp(*b, part));
+            let part = root(|part| between(part).map(DVec3::length).sum::<f64>() - most, 0.0, 1.0);
+            bones = between(part).collect();
+        } else if own < least {
+            let bent = self.rigid(base, base + to, pole);
+            let end: DVec3 = bent.iter().sum();
+            let bends: Vec<DVec3> =
+                bent.iter().zip(shares).map(|(bone, share)| bone - end * *share).collect();
+            let bowed = |part: f64| bones.iter().zip(&bends).map(move |(bone, bend)| bone + bend * part);
+            let part = root(|part| bowed(part).map(DVec3::length).sum::<f64>() - least, 0.0, 1.0);
+            bones = bowed(part).collect();
+        }
+        bones
+    }
+}
+
+impl Stretch {
+    /// A distance, eased into the greatest length.
+    fn eased(self, distance: f64, total: f64) -> f64 {
+        let most = self.most * total;
+        let soft = self.softness * (most - total);
+        let onset = most - soft;
+        if distance <= onset || soft <= 0.0 {
+            return distance.min(most);
+        }
+        onset + soft * (1.0 - (-(distance - onset) / soft).exp())
+    }
+}

@@ -1,0 +1,231 @@
+//! A limb as a wire.
+//!
+//! \[SF98\] §5.3: "The curve then deforms the object geometry associated with the joint hierarchy as a wire. We use a large dropoff radius `r`
+//! so we can assume that every point on the geometry will track the curve equally and precisely", and "the arc-length of the wire
+//! curve is used to modulate the wire scale factor `s`": `s = (L₀/L)^(volume/2)`, with which a tube keeps its volume, since that is its
+//! length times the square of its radius.
+//!
+//! Points of `R` and `W` belong together by parameter: joints to joints, so that a stiff bone keeps its skin. A bone's curve runs
+//! through points of it, at fractions that stay, so where a bone stretches the curve along it does, evenly.
+
+use glam::{DQuat, DVec3};
+use wirework_core::{Bend, Curve, Locator, Wire};
+
+use crate::error::IkError;
+use crate::limb::{Limb, Pose};
+use crate::settings::{ChainCurve, Ik, Influence, ScaleBy, Tip};
+use crate::turn::least_rotation;
+
+/// A radius at which `F`, in float32, is 1 wherever there are points.
+const EVERYWHERE: f32 = 1e15;
+
+/// Degree of the paper's curve.
+const CHAIN_DEGREE: u8 = 3;
+
+/// The fraction of the last bone over which a held tip comes to its direction, where the curve has none of its own.
+const HELD: f64 = 0.25;
+
+/// Locators in each segment of the curve, where attributes change along it: between them twist and scale are linear in the parameter
+/// and not in the length. Where the speed in a segment doubles, twist is off by a thousandth of what it gains there.
+const LOCATORS: usize = 8;
+
+/// Local stretch of less than this counts as this: where a curve stands still the scale would have no end.
+const LEAST_STRETCH: f64 = 0.05;
+
+/// The curve of a chain at rest.
+#[derive(Clone, Debug)]
+pub(crate) struct Spine {
+    reference: Curve,
+    length: f64,
+    /// Parameters of locators, rising, and the arc length up to each; empty where no attribute changes along the limb.
+    stops: Vec<f64>,
+    along: Vec<f64>,
+    /// The parameter nearest to the middle of each bone.
+    middles: Vec<f64>,
+}
+
+impl Spine {
+    pub(crate) fn new(joints: &[DVec3], settings: &Ik) -> Result<Self, IkError> {
+        let points = controls(joints, settings, held_direction(joints, DQuat::IDENTITY));
+        let degree = match settings.curve {
+            ChainCurve::Rounded(_) => 2,
+            ChainCurve::Chain => CHAIN_DEGREE,
+        };
+        let segments = points.len() - usize::from(degree).min(points.len() - 1);
+        let reference = Curve::bspline(degree, points).map_err(|_| IkError::NotFinite { joint: 0 })?;
+        let steps = segments * LOCATORS;
+        let stops: Vec<f64> = if is_uneven(settings) {
+            (0..=steps).map(|i| i as f64 / steps as f64).collect()
+        } else {
+            Vec::new()
+        };
+        let along = reference.lengths(stops.iter().copied());
+        let length = reference.lengths([1.0])[0];
+        let middle = |pair: &[DVec3]| {
+            let foot = reference.closest(pair[0].midpoint(pair[1]).as_vec3().to_array());
+            foot.map_or(0.5, |foot| f64::from(foot.u))
+        };
+        let middles = joints.windows(2).map(middle).collect();
+        Ok(Self { reference, length, stops, along, middles })
+    }
+}
+
+/// Whether scale or twist may change along the limb.
+fn is_uneven(settings: &Ik) -> bool {
+    settings.scale_by == ScaleBy::Local
+        || settings.tip != Tip::Follow
+        || settings.twist.values().any(|twist| *twist != 0.0)
+}
+
+/// The direction of the last bone at rest, turned.
+fn held_direction(joints: &[DVec3], turn: DQuat) -> DVec3 {
+    let [.., before, tip] = joints else { return DVec3::ZERO };
+    turn * (tip - before).normalize_or_zero()
+}
+
+/// The control points of the curve through a chain; a held tip comes in from `direction`.
+fn controls(joints: &[DVec3], settings: &Ik, direction: DVec3) -> Vec<[f32; 3]> {
+    let mut points = vec![joints[0]];
+    let rounded = match settings.curve {
+        ChainCurve::Rounded(part) => Some(f64::from(part)),
+        ChainCurve::Chain => None,
+    };
+    for corner in joints.windows(3) {
+        match rounded {
+            Some(part) => {
+                points.extend([corner[1].lerp(corner[0], part), corner[1], corner[1].lerp(corner[2], part)]);
+            }
+            None => points.push(corner[1]),
+        }
+    }
+    let [.., before, tip] = joints else { return Vec::new() };
+    if let Tip::Hold(_) = settings.tip {
+        points.push(tip - direction * (tip.distance(*before) * rounded.unwrap_or(HELD)));
+    }
+    points.push(*tip);
+    points.iter().map(|point| point.as_vec3().to_array()).collect()
+}
+
+/// What becomes of a bone: its points go to `to + rotation·S·(P − from)`, where `S` scales by `stretch` along `along` and by `scale` across
+/// it. As good as the limb's own wire along a straight bone, and the tip's share of what lies beyond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoneFrame {
+    /// Where the joint is at rest.
+    pub from: [f64; 3],
+    /// Where it is now.
+    pub to: [f64; 3],
+    /// The turn of the bone, at its middle; a unit quaternion, `[x, y, z, w]`.
+    pub rotation: [f64; 4],
+    /// The direction of the bone at rest, a unit vector; of the tip that of the last bone.
+    pub along: [f64; 3],
+    /// Its length, as a factor on that at rest; of the tip the scale.
+    pub stretch: f64,
+    /// The radial scale.
+    pub scale: f64,
+}
+
+impl Limb {
+    /// The wire at rest: its reference is the curve of the chain.
+    pub fn wire(&self) -> Wire {
+        let mut wire = Wire::new(self.spine.reference.clone());
+        wire.radius = match self.settings.influence {
+            Influence::Radius(radius) => radius,
+            Influence::All | Influence::SkinWeights => EVERYWHERE,
+        };
+        wire.bend = Bend::Transport;
+        wire.closest = self.settings.closest;
+        let locator =
+            |u: &f64| Locator { u: *u as f32, twist: Some(0.0), scale: Some(1.0), ..Locator::default() };
+        wire.locators = self.spine.stops.iter().map(locator).collect();
+        wire
+    }
+
+    /// Brings [`Limb::wire`], of this limb or of the one that it was [moved](Limb::moved) from, to a pose at a time in seconds.
+    pub fn wire_into(&self, pose: &Pose, seconds: f64, wire: &mut Wire) {
+        let turn = match self.settings.tip {
+            Tip::Follow => DQuat::IDENTITY,
+            Tip::Hold(angles) => {
+                let [x, y, z] = angles.map(f64::from);
+                DQuat::from_rotation_z(z) * DQuat::from_rotation_y(y) * DQuat::from_rotation_x(x)
+            }
+        };
+        wire.reference.clone_from(&self.spine.reference);
+        wire.pose = controls(&pose.joints, &self.settings, held_direction(&self.joints, turn));
+        let along = self.stretch_into(pose, wire);
+        let mut twist = f64::from(self.settings.twist.at(seconds));
+        if self.settings.tip != Tip::Follow {
+            wire.locators.iter_mut().for_each(|locator| locator.twist = Some(0.0));
+            twist += roll(wire, turn);
+        }
+        let whole = self.spine.length;
+        for (locator, length) in wire.locators.iter_mut().zip(&along) {
+            locator.twist = Some((twist * length / whole) as f32);
+        }
+    }
+
+    /// Sets the scale of the wire by its length. Gives the arc length at rest up to each locator.
+    fn stretch_into(&self, pose: &Pose, wire: &mut Wire) -> Vec<f64> {
+        let Spine { reference, length, stops, along, .. } = &self.spine;
+        wire.scale = 1.0;
+        // A pose that overflows is refused where it is bound.
+        let Ok(now) = reference.posed(wire.pose.clone()) else { return along.clone() };
+        let exponent = -0.5 * f64::from(self.settings.volume);
+        let scale = |stretch: f64| {
+            let scale = stretch.max(LEAST_STRETCH).powf(exponent) as f32;
+            if scale.is_finite() { scale } else { 1.0 }
+        };
+        let at_rest = pose.joints == self.joints;
+        if self.settings.scale_by == ScaleBy::Length {
+            let stretch = now.lengths([1.0])[0] / length;
+            wire.scale = if at_rest { 1.0 } else { scale(stretch) };
+            wire.locators.iter_mut().for_each(|locator| locator.scale = Some(wire.scale));
+            return along.clone();
+        }
+        let stretched = now.lengths(stops.iter().copied());
+        let last = stops.len().saturating_sub(1);
+        for (i, locator) in wire.locators.iter_mut().enumerate() {
+            let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
+            let stretch = (stretched[b] - stretched[a]) / (along[b] - along[a]);
+            locator.scale = Some(if at_rest { 1.0 } else { scale(stretch) });
+        }
+        along.clone()
+    }
+
+    /// What becomes of each bone, and of what hangs on the tip, where `wire` is [in this pose](Limb::wire_into): for those who animate
+    /// bones. One for each joint.
+    pub fn bone_frames(&self, pose: &Pose, wire: &Wire) -> Vec<BoneFrame> {
+        let mut stations = wire.stations(&self.spine.middles);
+        stations.extend(wire.stations(&[1.0]));
+        let bones = self.joints.len() - 1;
+        let frame = |(j, station): (usize, &wirework_core::Station)| {
+            let bone = j.min(bones - 1);
+            let (rest, now) =
+                (self.joints[bone + 1] - self.joints[bone], pose.joints[bone + 1] - pose.joints[bone]);
+            let mut rotation = DQuat::from_array(station.rotation);
+            let mut stretch = station.scale;
+            if j < bones {
+                rotation = least_rotation(rotation * rest, now, DVec3::X) * rotation;
+                stretch = now.length() / rest.length();
+            }
+            BoneFrame {
+                from: self.joints[j].to_array(),
+                to: pose.joints[j].to_array(),
+                rotation: rotation.normalize().to_array(),
+                along: rest.normalize_or_zero().to_array(),
+                stretch,
+                scale: station.scale,
+            }
+        };
+        stations.iter().enumerate().map(frame).collect()
+    }
+}
+
+/// The angle about the tip that is left between how a wire turns it and how it is to be turned, from −π to π.
+fn roll(wire: &Wire, turn: DQuat) -> f64 {
+    let tangent = wire.reference.at([1.0])[0].1;
+    let Some(station) = wire.stations(&[1.0]).first().copied() else { return 0.0 };
+    let left = DQuat::from_array(station.rotation).inverse() * turn;
+    let angle = 2.0 * left.xyz().dot(DVec3::from_array(tangent)).atan2(left.w);
+    let turns = (angle / std::f64::consts::TAU).round();
+    angle - turns * std::f64::consts::TAU
+}
