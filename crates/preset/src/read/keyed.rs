@@ -98,7 +98,7 @@ impl Reader<'_> {
         // In f64: 180 degrees are to be f32's π.
         let radians = f64::from(degrees).to_radians() as f32;
         // The least positive number of degrees is no radians at all.
-        let positive = within == Within::Positive;
+        let positive = matches!(within, Within::Positive | Within::HalfTurn);
         Some(if positive { radians.max(f32::MIN_POSITIVE) } else { radians })
     }
 
