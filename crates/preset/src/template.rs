@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::error::{escape, nearest, one_of};
 
 /// The effects that have a template.
-pub const TEMPLATES: [&str; 3] = ["deform", "wrinkle", "stitch"];
+pub const TEMPLATES: [&str; 4] = ["deform", "wrinkle", "stitch", "ik"];
 
 /// Why there is no template.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -29,6 +29,7 @@ pub fn template(effect: &str) -> Result<&'static str, TemplateError> {
         "deform" => Ok(include_str!("template/deform.ron")),
         "wrinkle" => Ok(include_str!("template/wrinkle.ron")),
         "stitch" => Ok(include_str!("template/stitch.ron")),
+        "ik" => Ok(include_str!("template/ik.ron")),
         _ => Err(TemplateError::Unknown { effect: effect.to_owned(), nearest: nearest(&name, TEMPLATES) }),
     }
 }
