@@ -1,10 +1,12 @@
 //! `units: Bounds`: positions in parts of the object's largest side, about its centre.
 
-use wirework_core::{Curve, Keyed, Lattice};
+use wirework_core::{Closest, Curve, Keyed, Lattice};
+use wirework_ik::{Ik, Influence, Pin};
 use wirework_stitch::{Edge, Run, Seam, Stitch, Tear};
 use wirework_wrinkle::{Curtain, Drawn, Layout, Motion, Pattern, Rail, Strain, Wrinkle};
 
 use crate::deform::Deform;
+use crate::ik::{Chain, Goal, Limb};
 use crate::preset::{Action, Effect};
 use crate::scope::Units;
 use crate::stitch::Stitching;
@@ -42,6 +44,7 @@ impl Effect {
                 pieces: stitching.pieces.clone(),
                 stitch: frame.stitch(&stitching.stitch),
             })),
+            Action::Ik(limb) => Action::Ik(Box::new(frame.limb(limb))),
         };
         Self {
             action,
@@ -150,6 +153,33 @@ impl BoundsFrame {
             ..seam.clone()
         };
         Stitch { seams: stitch.seams.iter().map(seam).collect(), order: stitch.order }
+    }
+
+    fn limb(&self, limb: &Limb) -> Limb {
+        let chain = match &limb.chain {
+            Chain::Joints(joints) => Chain::Joints(joints.iter().map(|joint| self.point(*joint)).collect()),
+            skin @ Chain::Skin { .. } => skin.clone(),
+        };
+        let goal = match &limb.goal {
+            Goal::Point(point) => Goal::Point(point.map(|point| self.point(*point))),
+            Goal::Curve(curve) => Goal::Curve(self.curve(curve)),
+            Goal::Node(name) => Goal::Node(name.clone()),
+        };
+        let pin = |pin: &Pin| Pin { joint: pin.joint, point: pin.point.map(|point| self.point(*point)) };
+        let ik = Ik {
+            pole: limb.ik.pole.as_ref().map(|pole| pole.map(|point| self.point(*point))),
+            pins: limb.ik.pins.iter().map(pin).collect(),
+            influence: match limb.ik.influence {
+                Influence::Radius(radius) => Influence::Radius(self.length(radius)),
+                other => other,
+            },
+            closest: match limb.ik.closest {
+                Closest::Blended(width) => Closest::Blended(self.length(width)),
+                Closest::Smallest => Closest::Smallest,
+            },
+            ..limb.ik.clone()
+        };
+        Limb { chain, goal, ik }
     }
 
     fn layout(&self, layout: &Layout) -> Layout {

@@ -7,7 +7,8 @@ use crate::moments::key_nodes;
 use crate::read::{Fields, Reader, Within};
 use crate::tree::{Body, Node};
 
-const CURVES: [&str; 4] = ["BSpline", "Polyline", "CatmullRom", "Bezier"];
+/// The kinds of curves.
+pub(crate) const CURVES: [&str; 4] = ["BSpline", "Polyline", "CatmullRom", "Bezier"];
 
 /// Degree of a B-spline where none is given: cubic.
 const DEFAULT_DEGREE: u8 = 3;

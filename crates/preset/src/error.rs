@@ -34,8 +34,6 @@ pub enum PresetErrorKind {
     Name,
     /// A value has another type than expected, or lies outside its range.
     Value,
-    /// The preset asks for what this version does not have.
-    Unavailable,
     /// The preset was written for a newer version of its format.
     Version,
     /// The preset, or the object it names, is larger than the limits allow.

@@ -8,7 +8,7 @@ use wirework_wrinkle::Wrinkle;
 
 use crate::deform::{Deform, deform};
 use crate::error::{PresetError, PresetErrorKind, PresetErrors};
-use crate::later;
+use crate::ik::{Limb, ik};
 use crate::limits::Limits;
 use crate::object::{Object, object};
 use crate::read::{Fields, Reader, Within, found};
@@ -81,6 +81,8 @@ pub enum Action {
     Wrinkle(Box<Wrinkle>),
     /// Seams between pieces.
     Stitch(Box<Stitching>),
+    /// A limb that reaches for a goal.
+    Ik(Box<Limb>),
 }
 
 /// A preset and what is odd about it.
@@ -197,7 +199,7 @@ struct Scene {
     driven: bool,
 }
 
-const EFFECTS: [&str; 4] = ["Deform", "Wrinkle", "Stitch", "Stack"];
+const EFFECTS: [&str; 5] = ["Deform", "Wrinkle", "Stitch", "Ik", "Stack"];
 
 /// Reads an effect, or the effects of a stack, and appends them to `out`.
 fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec<Effect>) -> Option<()> {
@@ -209,12 +211,9 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
         "Deform" => "Deform",
         "Wrinkle" => "Wrinkle",
         "Stitch" => "Stitch",
-        other if later::EFFECTS.contains(&other) => {
-            later::refuse(reader, node, other);
-            return None;
-        }
+        "Ik" => "Ik",
         _ => {
-            reader.unknown_name(name, "effect", &[&EFFECTS, later::EFFECTS].concat());
+            reader.unknown_name(name, "effect", &EFFECTS);
             return None;
         }
     };
@@ -228,6 +227,7 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
         "Wrinkle" => {
             wrinkle(reader, &mut fields, &mut clock).map(|wrinkle| Action::Wrinkle(Box::new(wrinkle)))
         }
+        "Ik" => ik(reader, &mut fields, &mut clock).map(|limb| Action::Ik(Box::new(limb))),
         _ => stitch(reader, &mut fields, &mut clock, first).map(|stitch| Action::Stitch(Box::new(stitch))),
     };
     let mut refine = false;

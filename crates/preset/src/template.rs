@@ -1,23 +1,16 @@
-//! Presets to begin with: every field of this version with its default and what it does.
+//! Presets to begin with: every field with its default and what it does.
 
 use thiserror::Error;
 
 use crate::error::{escape, nearest, one_of};
-use crate::later;
 
 /// The effects that have a template.
-pub const TEMPLATES: [&str; 3] = ["deform", "wrinkle", "stitch"];
+pub const TEMPLATES: [&str; 4] = ["deform", "wrinkle", "stitch", "ik"];
 
 /// Why there is no template.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum TemplateError {
-    /// The effect comes in a later version.
-    #[error("`{effect}` is not available in this version; there are {}", one_of(TEMPLATES))]
-    Later {
-        /// Its name.
-        effect: String,
-    },
     /// There is no such effect.
     #[error("there is no effect `{}`; expected {}{}", escape(.effect), one_of(TEMPLATES),
             .nearest.map(|near| format!(", did you mean `{near}`?")).unwrap_or_default())]
@@ -36,9 +29,7 @@ pub fn template(effect: &str) -> Result<&'static str, TemplateError> {
         "deform" => Ok(include_str!("template/deform.ron")),
         "wrinkle" => Ok(include_str!("template/wrinkle.ron")),
         "stitch" => Ok(include_str!("template/stitch.ron")),
-        _ if later::EFFECTS.iter().any(|later| later.eq_ignore_ascii_case(&name)) => {
-            Err(TemplateError::Later { effect: name })
-        }
+        "ik" => Ok(include_str!("template/ik.ron")),
         _ => Err(TemplateError::Unknown { effect: effect.to_owned(), nearest: nearest(&name, TEMPLATES) }),
     }
 }

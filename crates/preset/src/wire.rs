@@ -42,7 +42,7 @@ impl Manner {
         let bend = reader.field(fields, "bend", Bend::Tangent, |reader, node| {
             reader.choice(node, "bend", &[("Tangent", Bend::Tangent), ("Transport", Bend::Transport)])
         });
-        let width = width(reader, fields);
+        let width = closest(reader, fields, |reader, node| reader.keyed_number(node, Within::Positive));
         let exponent =
             reader.optional(fields, "exponent", |reader, node| reader.number(node, Within::Finite));
         let (only, mask) = scope(reader, fields);
@@ -75,8 +75,12 @@ impl Manner {
     }
 }
 
-/// The width of `closest: Blended(width)`; none for `Smallest`.
-fn width(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Option<Keyed<f32>> {
+/// The width of `closest: Blended(width)` through `read`; none for `Smallest`.
+pub(crate) fn closest<T>(
+    reader: &mut Reader<'_>,
+    fields: &mut Fields<'_>,
+    read: impl FnOnce(&mut Reader<'_>, &Node) -> Option<T>,
+) -> Option<T> {
     let node = fields.get("closest").filter(|node| !node.is_bare("Smallest"))?;
     reader.within("closest", |reader| {
         let Some(name) = &node.name else {
@@ -85,7 +89,7 @@ fn width(reader: &mut Reader<'_>, fields: &mut Fields<'_>) -> Option<Keyed<f32>>
         match (name.text.as_str(), &node.body) {
             ("Blended", Body::Tuple(items)) if items.len() == 1 => {
                 let width = items.first()?;
-                reader.within("width", |reader| reader.keyed_number(width, Within::Positive))
+                reader.within("width", |reader| read(reader, width))
             }
             ("Smallest", _) => reader.bad(node, "`Smallest` stands alone, without parentheses"),
             ("Blended", Body::Fields(entries)) => {

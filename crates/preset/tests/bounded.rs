@@ -20,7 +20,7 @@ fn text(fields: &str) -> String {
 fn keyed(fields: &str) -> KeyedWire {
     match parsed(&text(fields)).preset.effects.remove(0).action {
         Action::Deform(mut deform) => deform.wires.remove(0),
-        Action::Wrinkle(_) | Action::Stitch(_) => panic!(),
+        Action::Wrinkle(_) | Action::Stitch(_) | Action::Ik(_) => panic!(),
     }
 }
 

@@ -15,7 +15,7 @@ fn run(name: &str, times: &[f64]) -> (Mesh, Vec<Vec<[f32; 3]>>) {
     let [effect] = preset.effects.as_slice() else { panic!("{name} is a stack") };
     let lattice = match &effect.action {
         Action::Deform(deform) => deform.lattice,
-        Action::Wrinkle(_) | Action::Stitch(_) => None,
+        Action::Wrinkle(_) | Action::Stitch(_) | Action::Ik(_) => None,
     };
     let at: Box<dyn Fn(f64) -> (Vec<Wire>, Blend)> = match effect.action.clone() {
         Action::Deform(deform) => Box::new(move |seconds| {
@@ -31,7 +31,7 @@ fn run(name: &str, times: &[f64]) -> (Mesh, Vec<Vec<[f32; 3]>>) {
                 (wires, creases.blend())
             })
         }
-        Action::Stitch(_) => panic!("{name} is a stitch"),
+        Action::Stitch(_) | Action::Ik(_) => panic!("{name} is neither of wires nor of creases"),
     };
     let mut frames = Vec::new();
     for &seconds in times {

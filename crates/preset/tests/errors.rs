@@ -218,14 +218,6 @@ fn unknown_names_get_the_nearest_valid_one() {
 }
 
 #[test]
-fn what_comes_later_is_refused_by_name() {
-    let message = "is not available in this version";
-    for text in ["«Ik»(chain: 1)", "Stack([«Ik»()])"] {
-        check(text, PresetErrorKind::Unavailable, message, None);
-    }
-}
-
-#[test]
 fn parts_of_wrinkles_are_refused_at_their_place() {
     use PresetErrorKind::{Name, Value};
     for (text, kind, message, help) in [

@@ -15,7 +15,7 @@ fn parsed(text: &str) -> Parsed {
 fn deform(text: &str) -> Deform {
     match parsed(text).preset.effects.remove(0).action {
         Action::Deform(deform) => deform,
-        Action::Wrinkle(_) | Action::Stitch(_) => panic!(),
+        Action::Wrinkle(_) | Action::Stitch(_) | Action::Ik(_) => panic!(),
     }
 }
 

@@ -15,7 +15,7 @@ fn effect(text: &str) -> Effect {
 fn wires(effect: &Effect, seconds: f64) -> Vec<Wire> {
     match &effect.action {
         Action::Deform(deform) => deform.wires.iter().map(|wire| wire.at(seconds)).collect(),
-        Action::Wrinkle(_) | Action::Stitch(_) => panic!(),
+        Action::Wrinkle(_) | Action::Stitch(_) | Action::Ik(_) => panic!(),
     }
 }
 

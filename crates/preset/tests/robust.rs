@@ -29,6 +29,14 @@ const TOKENS: &[&str] = &[
     "Deform",
     "Wrinkle",
     "Stitch",
+    "Ik",
+    "Joints",
+    "Skin",
+    "Rounded",
+    "Hold",
+    "Radius",
+    "Curve",
+    "Node",
     "Stack",
     "Piece",
     "Seam",
@@ -107,6 +115,13 @@ const TOKENS: &[&str] = &[
     "loop:",
     "tears:",
     "lines:",
+    "chain:",
+    "goal:",
+    "pins:",
+    "stiffness:",
+    "limits:",
+    "root:",
+    "tip:",
     "only:",
     "version:",
     "é",
@@ -163,6 +178,8 @@ proptest! {
         read(text.as_bytes());
         read(format!("Deform(wires: [Wire(curve: Polyline(points: [(0, 0, 0)]), pose: {text})])").as_bytes());
         read(format!("Stitch(patches: [{text}], seams: [Seam(a: Edge(piece: \"a\", {text}), b: {text}, tears: [{text}])])").as_bytes());
+        read(format!("Ik(chain: {text}, goal: {text}, pins: [{text}], pole: {text})").as_bytes());
+        read(format!("Ik(chain: Joints([(0, 0, 0), (1, 0, 0), {text}]), goal: Curve({text}), limits: [{text}], {text})").as_bytes());
     }
 
     #[test]
@@ -235,6 +252,12 @@ fn much_of_anything_takes_a_moment_only() {
             "])",
         ),
         ("Stitch(seams: [Seam(tears: [", "Tear(at: 2, width: 0),", "])])"),
+        ("Ik(goal: (1, 0, 0), chain: Joints([", "(#, 0, 0),", "]))"),
+        ("Ik(goal: (1, 0, 0), chain: Joints([", "(0, 0, 0),", "]))"),
+        ("Ik(chain: Skin(\"a\", \"b\"), goal: (1, 0, 0), pins: [", "(#, (0, 0, 0)),", "])"),
+        ("Ik(chain: Skin(\"a\", \"b\"), goal: (1, 0, 0), pins: [", "(1, (0, 0, 0)),", "])"),
+        ("Ik(chain: Skin(\"a\", \"b\"), goal: (1, 0, 0), limits: [", "0,", "])"),
+        ("Ik(chain: Skin(\"a\", \"b\"), goal: Curve(CatmullRom([", "(#, 1, 0),", "])))"),
     ] {
         let text = format!("{before}{}{after}", repeated(piece, 40_000));
         let start = std::time::Instant::now();

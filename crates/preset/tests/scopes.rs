@@ -31,7 +31,7 @@ fn effect(text: &str) -> Effect {
 fn wire(fields: &str) -> KeyedWire {
     match effect(&format!("Deform(wires: [Wire({WIRE}, {fields})])")).action {
         Action::Deform(mut deform) => deform.wires.remove(0),
-        Action::Wrinkle(_) | Action::Stitch(_) => panic!(),
+        Action::Wrinkle(_) | Action::Stitch(_) | Action::Ik(_) => panic!(),
     }
 }
 

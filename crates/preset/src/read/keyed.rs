@@ -15,6 +15,17 @@ impl Reader<'_> {
         &mut self,
         node: &'n Node,
         what: &str,
+        read: impl FnMut(&mut Self, &'n Node) -> Option<T>,
+    ) -> Option<Keyed<T>> {
+        self.keyed_among(node, what, &[], read)
+    }
+
+    /// A † value where other things may stand as well, with the names `others`, which the caller has looked for.
+    pub(crate) fn keyed_among<'n, T: Interpolate>(
+        &mut self,
+        node: &'n Node,
+        what: &str,
+        others: &[&str],
         mut read: impl FnMut(&mut Self, &'n Node) -> Option<T>,
     ) -> Option<Keyed<T>> {
         let Some(name) = &node.name else {
@@ -24,7 +35,8 @@ impl Reader<'_> {
             "Keys" => false,
             "Ease" => true,
             other => {
-                let help = nearest(other, ["Keys", "Ease"]).map(|near| format!("did you mean `{near}`?"));
+                let names = ["Keys", "Ease"].into_iter().chain(others.iter().copied());
+                let help = nearest(other, names).map(|near| format!("did you mean `{near}`?"));
                 let message = format!(
                     "expected {what}, `Keys([(seconds, value), ..])` or `Ease([..])`, found `{}`",
                     escape(other)
@@ -71,19 +83,23 @@ impl Reader<'_> {
 
     /// A † angle, degrees as typed, radians as read.
     pub(crate) fn keyed_degrees(&mut self, node: &Node, within: Within) -> Option<Keyed<f32>> {
-        self.keyed(node, "a number of degrees", |reader, value| {
-            let degrees = reader.number(value, within)?;
-            if degrees.abs() > MOST_DEGREES {
-                let field = reader.field_name();
-                let message =
-                    format!("{field} must be within {MOST_DEGREES} degrees either way, found {degrees}");
-                return reader.bad(value, message);
-            }
-            // In f64: 180 degrees are to be f32's π.
-            let radians = f64::from(degrees).to_radians() as f32;
-            // The least positive number of degrees is no radians at all.
-            Some(if within == Within::Positive { radians.max(f32::MIN_POSITIVE) } else { radians })
-        })
+        self.keyed(node, "a number of degrees", |reader, value| reader.degrees(value, within))
+    }
+
+    /// An angle, degrees as typed, radians as read.
+    pub(crate) fn degrees(&mut self, node: &Node, within: Within) -> Option<f32> {
+        let degrees = self.number(node, within)?;
+        if degrees.abs() > MOST_DEGREES {
+            let field = self.field_name();
+            let message =
+                format!("{field} must be within {MOST_DEGREES} degrees either way, found {degrees}");
+            return self.bad(node, message);
+        }
+        // In f64: 180 degrees are to be f32's π.
+        let radians = f64::from(degrees).to_radians() as f32;
+        // The least positive number of degrees is no radians at all.
+        let positive = matches!(within, Within::Positive | Within::HalfTurn);
+        Some(if positive { radians.max(f32::MIN_POSITIVE) } else { radians })
     }
 
     /// † control points. `what` has as many as its curve: `count`, where that is known.

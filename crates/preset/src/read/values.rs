@@ -17,6 +17,12 @@ pub(crate) enum Within {
     Unit,
     /// 0 to less than 1.
     BelowOne,
+    /// 1 or greater.
+    AtLeastOne,
+    /// Greater than 0, at most 0.5.
+    Half,
+    /// Greater than 0, at most 180.
+    HalfTurn,
 }
 
 impl Within {
@@ -25,6 +31,9 @@ impl Within {
             && match self {
                 Self::Finite => true,
                 Self::BelowOne => (0.0..1.0).contains(&x),
+                Self::AtLeastOne => x >= 1.0,
+                Self::Half => x > 0.0 && x <= 0.5,
+                Self::HalfTurn => x > 0.0 && x <= 180.0,
                 Self::Positive => x > 0.0,
                 Self::NotNegative => x >= 0.0,
                 Self::Unit => (0.0..=1.0).contains(&x),
@@ -38,6 +47,9 @@ impl Within {
             Self::NotNegative => "0 or greater",
             Self::Unit => "from 0 to 1",
             Self::BelowOne => "from 0 to less than 1",
+            Self::AtLeastOne => "1 or greater",
+            Self::Half => "greater than 0 and at most 0.5",
+            Self::HalfTurn => "greater than 0 and at most 180",
         }
     }
 }
