@@ -12,9 +12,6 @@ use crate::turn::{aside, least_rotation};
 /// Rounds of turning joints: where half of them stand at their borders each round leaves half of what is missing.
 const ROUNDS: usize = 40;
 
-/// Rounds of growing.
-const GROWTHS: usize = 16;
-
 /// Added to what a turn of all joints moves the end by, as a part of that, so that a limb that points at its goal does not thrash.
 const DAMPING: f64 = 0.3;
 
@@ -119,24 +116,9 @@ impl Cones<'_> {
             }
             self.step(bones, miss, end);
             self.clamp(bones);
-        }
-    }
-
-    /// The same of bones that may grow for it, each by its share, to a length of all of them.
-    pub(crate) fn stretch(&self, bones: &mut [DVec3], goal: DVec3, shares: &[f64], most: f64) {
-        self.reach(bones, goal);
-        for _ in 0..GROWTHS {
-            let total: f64 = bones.iter().map(|bone| bone.length()).sum();
-            let miss = bones.iter().sum::<DVec3>().distance(goal);
-            // A bent limb comes nearer by less than it grows.
-            let more = (2.0 * miss).min(most - total);
-            if miss < THERE * total || more <= 0.0 {
+            if bones.iter().sum::<DVec3>().distance(end) < THERE * total {
                 return;
             }
-            for (bone, share) in bones.iter_mut().zip(shares) {
-                *bone *= 1.0 + more * share / bone.length().max(f64::MIN_POSITIVE);
-            }
-            self.reach(bones, goal);
         }
     }
 

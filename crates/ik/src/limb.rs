@@ -42,6 +42,8 @@ pub struct Limb {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     pub(crate) joints: Vec<DVec3>,
+    /// How the plane of the first bend has turned from its rest.
+    pub(crate) turn: DQuat,
 }
 
 impl Pose {
@@ -164,19 +166,20 @@ impl Limb {
             self.settings.pins.iter().map(|pin| (pin.joint, at(&pin.point))).collect();
         held.push((self.joints.len() - 1, goal));
         if held.iter().all(|(joint, place)| *place == self.joints[*joint]) {
-            return Pose { joints: self.joints.clone() };
+            return Pose { joints: self.joints.clone(), turn: DQuat::IDENTITY };
         }
         held.sort_by_key(|(joint, _)| *joint);
         let root = if held[0].0 == 0 { held.remove(0).1 } else { self.joints[0] };
         let pole = self.settings.pole.as_ref().map(at);
         let elasticity = f64::from(self.settings.elasticity.at(seconds)).clamp(0.0, 1.0);
+        let turn = self.runs[0].turn(held[0].1 - root, pole.map(|pole| pole - root));
         let bones = self.bones(root, &held, pole, elasticity);
         let mut joints = vec![root];
         joints.extend(bones.iter().scan(root, |joint, bone| {
             *joint += *bone;
             Some(*joint)
         }));
-        Pose { joints }
+        Pose { joints, turn }
     }
 
     /// The bones between rigid and elastic.
@@ -210,7 +213,7 @@ impl Limb {
                 cones(rigid_turn).reach(&mut rigid, end);
                 rigid_turn = cones(rigid_turn).after(&rigid);
                 let end: DVec3 = elastic.iter().sum();
-                cones(elastic_turn).stretch(&mut elastic, end, shares, stretch.most * run.total);
+                cones(elastic_turn).reach(&mut elastic, end);
                 elastic_turn = cones(elastic_turn).after(&elastic);
             }
             rigid_base += rigid.iter().sum::<DVec3>();

@@ -188,26 +188,38 @@ impl Run {
         } else {
             DQuat::IDENTITY
         };
-        let mut turn = least_rotation(self.direction, ahead, self.normal) * level;
-        if let Some(pole) = pole {
-            // At rest nothing turns.
-            let moved = to.distance(self.chord) / (EASED * self.total);
-            let part =
-                if self.is_straight || moved >= 1.0 { 1.0 } else { moved * moved * (3.0 - 2.0 * moved) };
-            turn = DQuat::from_axis_angle(ahead, part * self.towards(pole - base, ahead, turn)) * turn;
-        }
+        let pole = pole.map(|pole| pole - base);
+        let side = DQuat::from_axis_angle(ahead, self.towards(to, pole));
+        let turn = side * least_rotation(self.direction, ahead, self.normal) * level;
         bones.into_iter().map(|bone| turn * bone).collect()
     }
 
-    /// The angle about the line to the goal that brings the bend, turned by `turn`, to the side of a pole.
-    fn towards(&self, pole: DVec3, ahead: DVec3, turn: DQuat) -> f64 {
+    /// How what hangs on the bones turns as their end moves to `to`, counted from their first joint: with the line between their ends, and
+    /// with the plane in which they bend where they are bent at rest.
+    pub(crate) fn turn(&self, to: DVec3, pole: Option<DVec3>) -> DQuat {
+        let turn = least_rotation(self.direction, to, self.normal);
+        if self.is_straight {
+            return turn;
+        }
+        DQuat::from_axis_angle(to.normalize_or(self.direction), self.towards(to, pole)) * turn
+    }
+
+    /// The angle about the line to the goal that brings the bend to the side of a pole, both counted from the first joint.
+    fn towards(&self, to: DVec3, pole: Option<DVec3>) -> f64 {
+        let Some(pole) = pole else { return 0.0 };
+        let ahead = to.normalize_or(self.direction);
         let across = |v: DVec3| v - ahead * ahead.dot(v);
         // A bow bulges away from where its bones turn to.
-        let (now, wanted) = (across(turn * self.direction.cross(self.normal)), across(pole));
-        if wanted.length() <= POINT * self.total || now.length() <= POINT {
+        let bulge = self.direction.cross(self.normal);
+        let now = least_rotation(self.direction, ahead, self.normal) * bulge;
+        let wanted = across(pole);
+        if wanted.length() <= POINT * self.total {
             return 0.0;
         }
-        now.cross(wanted).dot(ahead).atan2(now.dot(wanted))
+        let angle = now.cross(wanted).dot(ahead).atan2(now.dot(wanted));
+        // At rest nothing turns.
+        let moved = to.distance(self.chord) / (EASED * self.total);
+        if self.is_straight || moved >= 1.0 { angle } else { angle * moved * moved * (3.0 - 2.0 * moved) }
     }
 
     /// The bones as a rubber band from `base` to `goal`: each takes its share of the motion of the end. Where that is longer than they may be

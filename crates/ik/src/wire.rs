@@ -5,6 +5,10 @@
 //! curve is used to modulate the wire scale factor `s`": `s = (L₀/L)^(volume/2)`, with which a tube keeps its volume, since that is its
 //! length times the square of its radius.
 //!
+//! Frames are transported from the root, where they turn as the plane of the bend does: first with the line to the goal, then within the plane.
+//! The least rotation of the first bone alone would flip where a bow turns that bone against its rest. The difference is a twist that is the
+//! same all along.
+//!
 //! Points of `R` and `W` belong together by parameter: joints to joints, so that a stiff bone keeps its skin. A bone's curve runs
 //! through points of it, at fractions that stay, so where a bone stretches the curve along it does, evenly.
 
@@ -14,7 +18,7 @@ use wirework_core::{Bend, Curve, Locator, Wire};
 use crate::error::IkError;
 use crate::limb::{Limb, Pose};
 use crate::settings::{ChainCurve, Ik, Influence, ScaleBy, Tip};
-use crate::turn::least_rotation;
+use crate::turn::{aside, least_rotation};
 
 /// A radius at which `F`, in float32, is 1 wherever there are points.
 const EVERYWHERE: f32 = 1e15;
@@ -142,7 +146,7 @@ impl Limb {
 
     /// Brings [`Limb::wire`], of this limb or of the one that it was [moved](Limb::moved) from, to a pose at a time in seconds.
     pub fn wire_into(&self, pose: &Pose, seconds: f64, wire: &mut Wire) {
-        let turn = match self.settings.tip {
+        let held = match self.settings.tip {
             Tip::Follow => DQuat::IDENTITY,
             Tip::Hold(angles) => {
                 let [x, y, z] = angles.map(f64::from);
@@ -150,25 +154,44 @@ impl Limb {
             }
         };
         wire.reference.clone_from(&self.spine.reference);
-        wire.pose = controls(&pose.joints, &self.settings, held_direction(&self.joints, turn));
-        let along = self.stretch_into(pose, wire);
-        let mut twist = f64::from(self.settings.twist.at(seconds));
-        if self.settings.tip != Tip::Follow {
-            wire.locators.iter_mut().for_each(|locator| locator.twist = Some(0.0));
-            twist += roll(wire, turn);
+        wire.pose = controls(&pose.joints, &self.settings, held_direction(&self.joints, held));
+        self.stretch_into(pose, wire);
+        self.twist_into(pose, seconds, held, wire);
+    }
+
+    /// Sets the twist: what the limb is to have, from the root on as its plane turns; where its tip is held so that it ends with `held`.
+    fn twist_into(&self, pose: &Pose, seconds: f64, held: DQuat, wire: &mut Wire) {
+        wire.twist = 0.0;
+        wire.locators.iter_mut().for_each(|locator| locator.twist = Some(0.0));
+        let (mut root, mut tip) = (0.0, f64::from(self.settings.twist.at(seconds)));
+        if pose.joints != self.joints {
+            let bone = |joints: &[DVec3]| joints[1] - joints[0];
+            let own =
+                least_rotation(pose.turn * bone(&self.joints), bone(&pose.joints), DVec3::X) * pose.turn;
+            let (rest, now) = (bone(&self.joints).normalize_or_zero(), bone(&pose.joints));
+            // What the wire does there without a twist.
+            let bend = least_rotation(rest, now, rest.cross(aside(rest)));
+            root = roll(bend, own, rest);
         }
-        let whole = self.spine.length;
-        for (locator, length) in wire.locators.iter_mut().zip(&along) {
-            locator.twist = Some((twist * length / whole) as f32);
+        if self.settings.tip != Tip::Follow {
+            let tangent = wire.reference.at([1.0])[0].1;
+            let bend =
+                wire.stations(&[1.0]).first().map_or(DQuat::IDENTITY, |at| DQuat::from_array(at.rotation));
+            tip += within_turn(roll(bend, held, DVec3::from_array(tangent)) - root);
+        }
+        wire.twist = root as f32;
+        let Spine { along, length, .. } = &self.spine;
+        for (locator, along) in wire.locators.iter_mut().zip(along) {
+            locator.twist = Some((root + tip * along / length) as f32);
         }
     }
 
-    /// Sets the scale of the wire by its length. Gives the arc length at rest up to each locator.
-    fn stretch_into(&self, pose: &Pose, wire: &mut Wire) -> Vec<f64> {
+    /// Sets the scale of the wire by its length.
+    fn stretch_into(&self, pose: &Pose, wire: &mut Wire) {
         let Spine { reference, length, stops, along, .. } = &self.spine;
         wire.scale = 1.0;
         // A pose that overflows is refused where it is bound.
-        let Ok(now) = reference.posed(wire.pose.clone()) else { return along.clone() };
+        let Ok(now) = reference.posed(wire.pose.clone()) else { return };
         let exponent = -0.5 * f64::from(self.settings.volume);
         let scale = |stretch: f64| {
             let scale = stretch.max(LEAST_STRETCH).powf(exponent) as f32;
@@ -179,7 +202,7 @@ impl Limb {
             let stretch = now.lengths([1.0])[0] / length;
             wire.scale = if at_rest { 1.0 } else { scale(stretch) };
             wire.locators.iter_mut().for_each(|locator| locator.scale = Some(wire.scale));
-            return along.clone();
+            return;
         }
         let stretched = now.lengths(stops.iter().copied());
         let last = stops.len().saturating_sub(1);
@@ -188,7 +211,6 @@ impl Limb {
             let stretch = (stretched[b] - stretched[a]) / (along[b] - along[a]);
             locator.scale = Some(if at_rest { 1.0 } else { scale(stretch) });
         }
-        along.clone()
     }
 
     /// What becomes of each bone, and of what hangs on the tip, where `wire` is [in this pose](Limb::wire_into): for those who animate
@@ -220,12 +242,13 @@ impl Limb {
     }
 }
 
-/// The angle about the tip that is left between how a wire turns it and how it is to be turned, from −π to π.
-fn roll(wire: &Wire, turn: DQuat) -> f64 {
-    let tangent = wire.reference.at([1.0])[0].1;
-    let Some(station) = wire.stations(&[1.0]).first().copied() else { return 0.0 };
-    let left = DQuat::from_array(station.rotation).inverse() * turn;
-    let angle = 2.0 * left.xyz().dot(DVec3::from_array(tangent)).atan2(left.w);
-    let turns = (angle / std::f64::consts::TAU).round();
-    angle - turns * std::f64::consts::TAU
+/// The angle about a tangent that is left between how a wire bends there and how it is to turn, from −π to π.
+fn roll(bend: DQuat, turn: DQuat, tangent: DVec3) -> f64 {
+    let left = bend.inverse() * turn;
+    within_turn(2.0 * left.xyz().dot(tangent).atan2(left.w))
+}
+
+/// The same angle from −π to π.
+fn within_turn(angle: f64) -> f64 {
+    angle - (angle / std::f64::consts::TAU).round() * std::f64::consts::TAU
 }

