@@ -31,6 +31,7 @@ mod local;
 mod look;
 mod merge;
 mod meshopt;
+mod moment;
 mod morph;
 mod names;
 mod obj;
