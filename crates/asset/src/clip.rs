@@ -167,7 +167,7 @@ impl Gltf {
         };
         let parts = Parts { samplers: list("samplers")?, channels: list("channels")? };
         for (k, channel) in parts.channels.iter().enumerate() {
-            if !sampler_of(channel).is_some_and(|sampler| sampler < parts.samplers.len()) {
+            if sampler_of(channel).is_none_or(|sampler| sampler >= parts.samplers.len()) {
                 let place = Place::Pointer(format!("/animations/{clip}/channels/{k}"));
                 return Err(AssetError::new(
                     place,

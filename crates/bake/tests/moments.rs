@@ -48,7 +48,10 @@ fn bent(moment: &Rest, key: usize, stay: &[usize]) -> [Vec<[f32; 3]>; 2] {
     [positions, normals]
 }
 
-fn baked(glb: &[u8], stay: &[usize]) -> (Gltf, Vec<(f64, [Vec<[f32; 3]>; 2])>, Rest) {
+/// A time, and positions and normals of all vertices.
+type Frame = (f64, [Vec<[f32; 3]>; 2]);
+
+fn baked(glb: &[u8], stay: &[usize]) -> (Gltf, Vec<Frame>, Rest) {
     let gltf = Gltf::from_slice(glb, "clip", &Limits::default()).unwrap();
     let rest = gltf.rest().unwrap();
     let mut player = gltf.player(&rest, Some(0)).unwrap();
