@@ -127,6 +127,18 @@ impl Gltf {
         self.append("accessors", accessor)
     }
 
+    /// Appends vectors or matrices that are no vertex data, `kind` such as `VEC4`, and gives the accessor's index.
+    pub(crate) fn append_tuples<const N: usize>(
+        &mut self,
+        values: Vec<[f32; N]>,
+        kind: &str,
+    ) -> Result<usize, AssetError> {
+        let count = values.len();
+        let view = self.append_view(Content::floats(values.into_flattened()), None)?;
+        let accessor = json!({ "bufferView": view, "componentType": FLOAT, "count": count, "type": kind });
+        self.append("accessors", accessor)
+    }
+
     /// Appends indices of `count` vertices and gives the accessor's index.
     pub(crate) fn append_indices(&mut self, flat: &[u32], count: usize) -> Result<usize, AssetError> {
         // 65 535 is no index of 16 bits: it restarts primitives.

@@ -59,19 +59,31 @@ impl Frame {
         positions: &mut [[f32; 3]],
         normals: &mut [[f32; 3]],
     ) -> Result<Self, &'static str> {
-        let turns = in_blocks(positions, normals, |first, positions, normals| {
-            let mut turns = 0;
-            for (k, p) in positions.iter_mut().enumerate() {
-                let matrix = influences.matrix(first + k, &joints);
-                *p = place(&matrix, double(*p))?;
-                turns += handedness(&matrix.matrix3.transpose());
-                if let Some(normal) = normals.get_mut(k) {
-                    *normal = Way::new(&matrix).normal(double(*normal));
-                }
-            }
-            Ok(turns)
-        })?;
+        let turns = skinned(&influences, &joints, positions, normals)?;
         Ok(Self::Skin { influences, joints, mirrored: turns < 0 })
+    }
+
+    /// Takes it to where the node or the joints of the skin are now, and with it positions and normals from the space of the mesh
+    /// to the world. Whether a skin is mirrored stays, as the triangles do that were turned round for it.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with a vertex; the frame is as it was then.
+    pub(crate) fn follow(
+        &mut self,
+        node: &DAffine3,
+        joints: Option<&Arc<[DAffine3]>>,
+        positions: &mut [[f32; 3]],
+        normals: &mut [[f32; 3]],
+    ) -> Result<(), &'static str> {
+        match (&mut *self, joints) {
+            (Self::Skin { influences, joints: own, .. }, Some(joints)) => {
+                skinned(influences, joints, positions, normals)?;
+                *own = Arc::clone(joints);
+            }
+            _ => *self = Self::of_node(node, positions, normals)?,
+        }
+        Ok(())
     }
 
     /// Directions along the surface of the mesh, one a vertex, in the world.
@@ -93,6 +105,27 @@ impl Frame {
             Self::Skin { mirrored, .. } => *mirrored,
         }
     }
+}
+
+/// Takes vertices by their joints to the world. Gives how many more stay right-handed than become left-handed.
+fn skinned(
+    influences: &Influences,
+    joints: &[DAffine3],
+    positions: &mut [[f32; 3]],
+    normals: &mut [[f32; 3]],
+) -> Result<i64, &'static str> {
+    in_blocks(positions, normals, |first, positions, normals| {
+        let mut turns = 0;
+        for (k, p) in positions.iter_mut().enumerate() {
+            let matrix = influences.matrix(first + k, joints);
+            *p = place(&matrix, double(*p))?;
+            turns += handedness(&matrix.matrix3.transpose());
+            if let Some(normal) = normals.get_mut(k) {
+                *normal = Way::new(&matrix).normal(double(*normal));
+            }
+        }
+        Ok(turns)
+    })
 }
 
 /// The sign of the determinant; 0 where there is none.

@@ -214,7 +214,7 @@ fn link(nodes: &mut [Node], table: Json<'_>) -> Result<(), AssetError> {
 }
 
 /// The nodes reachable from `starts`, each once, parents first.
-fn walk(nodes: &[Node], starts: &[usize]) -> Vec<usize> {
+pub(crate) fn walk(nodes: &[Node], starts: &[usize]) -> Vec<usize> {
     let mut seen = vec![false; nodes.len()];
     let mut order = Vec::new();
     let mut stack: Vec<usize> = starts.iter().rev().copied().collect();

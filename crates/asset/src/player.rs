@@ -25,41 +25,43 @@ use crate::way::{Way, double, place};
 /// times at which they count.
 #[derive(Clone, Debug)]
 pub struct Player<'a> {
-    gltf: &'a Gltf,
-    graph: Graph,
-    channels: Vec<Channel>,
-    skins: Vec<Posed>,
-    shapes: Vec<Shape<'a>>,
+    pub(crate) gltf: &'a Gltf,
+    pub(crate) graph: Graph,
+    pub(crate) channels: Vec<Channel>,
+    pub(crate) skins: Vec<Posed>,
+    pub(crate) shapes: Vec<Shape<'a>>,
     /// One a block of the rest.
-    pieces: Vec<Piece>,
+    pub(crate) pieces: Vec<Piece>,
     /// The weights of the morph targets of each node that shows some.
-    weights: BTreeMap<usize, Vec<f64>>,
+    pub(crate) weights: BTreeMap<usize, Vec<f64>>,
     warnings: Vec<Warning>,
     /// The vertices of a shape, morphed; kept for its memory.
-    morphed: Local,
+    pub(crate) morphed: Local,
 }
 
 /// A skin with its matrices at the time that was played last.
 #[derive(Clone, Debug)]
-struct Posed {
-    skin: Skin,
-    matrices: Vec<DAffine3>,
+pub(crate) struct Posed {
+    pub(crate) skin: Skin,
+    pub(crate) matrices: Vec<DAffine3>,
 }
 
 /// The vertices of a primitive, for all nodes that show it by the same skin.
 #[derive(Clone, Debug)]
-struct Shape<'a> {
-    primitive: Json<'a>,
-    base: Local,
+pub(crate) struct Shape<'a> {
+    pub(crate) primitive: Json<'a>,
+    pub(crate) base: Local,
     influences: Option<Influences>,
+    /// Tangents without morph targets, once they were asked for.
+    pub(crate) tangents: Option<Vec<[f32; 3]>>,
 }
 
 /// A block of the rest: how a node shows a shape.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
-    node: usize,
-    shape: usize,
-    skin: Option<usize>,
+pub(crate) struct Piece {
+    pub(crate) node: usize,
+    pub(crate) shape: usize,
+    pub(crate) skin: Option<usize>,
 }
 
 impl Gltf {
@@ -116,7 +118,7 @@ impl Gltf {
     }
 }
 
-fn other_document() -> AssetError {
+pub(crate) fn other_document() -> AssetError {
     AssetError::file("vertices of another document", "the rest of this one")
 }
 
@@ -160,7 +162,7 @@ impl Reader<'_, '_> {
                 Some(Influences::read(self.gltf, attributes, count, joints, budget, &mut told)?)
             }
         };
-        self.shapes.push(Shape { primitive, base, influences });
+        self.shapes.push(Shape { primitive, base, influences, tangents: None });
         Ok(self.shapes.len() - 1)
     }
 
@@ -248,7 +250,7 @@ impl Player<'_> {
     }
 
     /// Takes nodes, skins and weights to a time.
-    fn settle(&mut self, seconds: f64) -> Result<(), AssetError> {
+    pub(crate) fn settle(&mut self, seconds: f64) -> Result<(), AssetError> {
         for Channel { node, path, track } in &self.channels {
             if let Path::Weights(_) = path {
                 if let Some(weights) = self.weights.get_mut(node) {
@@ -279,7 +281,7 @@ impl Player<'_> {
 
 impl Shape<'_> {
     /// The vertices with these weights of morph targets, in `buffer` where any of them counts.
-    fn morphed<'b>(
+    pub(crate) fn morphed<'b>(
         &'b self,
         gltf: &Gltf,
         weights: &[f64],

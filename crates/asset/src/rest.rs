@@ -43,6 +43,8 @@ pub struct Block {
     pub first: usize,
     /// How many there are, at least 1.
     pub count: usize,
+    /// The weights with which the mesh's morph targets are in the positions, one a target.
+    pub weights: Vec<f32>,
     /// Unit normals in world space, if the input has normals.
     pub normals: Option<Vec<[f32; 3]>>,
     /// Unit tangents in world space without their handedness, if the input has them besides normals; 0 where one is 0.

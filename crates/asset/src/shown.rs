@@ -80,7 +80,10 @@ impl Shown<'_> {
         let mut local = Local::read(self.gltf, primitive, budget, &mut rest.warnings)?;
         local.morph(self.gltf, primitive, weights, budget)?;
         let uvs = attributes::texture_coordinates(self.gltf, primitive, 0, budget, &mut rest.warnings)?;
-        let local_tangents = tangent::read(self.gltf, primitive, weights, budget, &mut rest.warnings)?;
+        let mut local_tangents = tangent::read(self.gltf, primitive, budget, &mut rest.warnings)?;
+        if let Some(tangents) = &mut local_tangents {
+            tangent::morph(self.gltf, primitive, weights, tangents, budget)?;
+        }
         let count = local.positions.len();
         budget.charge(Of::Vertices, count as u64, || primitive.place())?;
         let ways = if self.joints.is_some() { size_of::<Way>() as u64 } else { 0 };
@@ -106,6 +109,7 @@ impl Shown<'_> {
             mesh: self.mesh,
             first,
             count,
+            weights: weights.iter().map(|&weight| weight as f32).collect(),
             normals,
             tangents,
             uvs,

@@ -56,14 +56,13 @@ fn texture_set(info: &Value) -> usize {
     moved.or_else(|| info.get("texCoord")).and_then(whole).unwrap_or(0)
 }
 
-/// The tangents of a primitive in the space of its mesh, without handedness, its morph targets added, each times its weight.
+/// The tangents of a primitive in the space of its mesh, without handedness and without its morph targets.
 ///
 /// None without normals, for the standard then has tangents ignored, and, with a warning, where they are not what the standard
 /// asks for: a file whose tangents nobody looks at is not refused for them.
 pub(crate) fn read(
     gltf: &Gltf,
     primitive: Json<'_>,
-    weights: &[f64],
     budget: &mut Budget,
     warnings: &mut Vec<Warning>,
 ) -> Result<Option<Vec<[f32; 3]>>, AssetError> {
@@ -78,13 +77,22 @@ pub(crate) fn read(
         warnings.push(Warning::new("tangents", accessor.json.place(), message));
         return Ok(None);
     }
-    let mut tangents: Vec<[f32; 3]> = values.iter().map(|&[x, y, z, _]| [x, y, z]).collect();
-    if let Some(targets) = primitive.get("targets")? {
-        for (target, &weight) in targets.items()?.zip(weights) {
-            add(gltf, target.get("TANGENT")?, weight, Some(&mut tangents), budget)?;
-        }
+    Ok(Some(values.iter().map(|&[x, y, z, _]| [x, y, z]).collect()))
+}
+
+/// Adds the morph targets of a primitive to its tangents, each times its weight.
+pub(crate) fn morph(
+    gltf: &Gltf,
+    primitive: Json<'_>,
+    weights: &[f64],
+    tangents: &mut Vec<[f32; 3]>,
+    budget: &mut Budget,
+) -> Result<(), AssetError> {
+    let Some(targets) = primitive.get("targets")? else { return Ok(()) };
+    for (target, &weight) in targets.items()?.zip(weights) {
+        add(gltf, target.get("TANGENT")?, weight, Some(tangents), budget)?;
     }
-    Ok(Some(tangents))
+    Ok(())
 }
 
 /// A primitive with a normal map.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use thiserror::Error;
 use wirework_asset::{
-    AssetError, Clip, Gltf, LocalDeltas, MeshTarget, MorphTarget, Rest, WeightTrack, printable,
+    AssetError, Block, Clip, Gltf, LocalDeltas, MeshTarget, MorphTarget, Rest, Tracks, WeightTrack, printable,
 };
 
 /// How frames become morph targets.
@@ -28,6 +28,9 @@ pub struct Settings {
     pub max_targets: usize,
     /// Where the clip goes. Default a new one of the name `wirework`, or of the first free one of `wirework_2`, …
     pub clip: Option<Clip>,
+    /// A clip of the document all of whose channels a *new* clip gets besides, so that a viewer that plays only the new one shows
+    /// the whole motion: for frames that were taken while it played. Default none.
+    pub source: Option<usize>,
     /// What the names of targets start with; the number of the frame follows. Letters, digits, `-` and `_`; whatever
     /// else there is becomes `_`, for engines treat `:`, `/` and `.` in names as their own. Default `wirework`.
     pub prefix: String,
@@ -35,7 +38,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { bake: Bake::Auto, max_targets: 240, clip: None, prefix: "wirework".to_owned() }
+        Self { bake: Bake::Auto, max_targets: 240, clip: None, source: None, prefix: "wirework".to_owned() }
     }
 }
 
@@ -146,6 +149,8 @@ struct NodeTrack {
     known: BTreeMap<Vec<MorphTarget>, usize>,
     /// For each frame its target; none where it equals the rest.
     frames: Vec<Option<usize>>,
+    /// For each frame the weights of the targets of its own.
+    weights: Vec<f32>,
 }
 
 impl<'a> Baker<'a> {
@@ -167,6 +172,7 @@ impl<'a> Baker<'a> {
                     targets: Vec::new(),
                     known: BTreeMap::new(),
                     frames: Vec::new(),
+                    weights: Vec::new(),
                 });
             }
             if let Some(track) = nodes.last_mut() {
@@ -191,12 +197,30 @@ impl<'a> Baker<'a> {
         normals: Option<&[[f32; 3]]>,
         tangents: Option<&[[f32; 3]]>,
     ) -> Result<(), BakeError> {
+        self.push_from(self.rest, time, positions, normals, tangents)
+    }
+
+    /// Takes the next frame as [`Baker::push`] does, of a document that plays a clip meanwhile: `moment` is the rest of the baker
+    /// as [`Player::rest_into`] makes it of that moment of the clip. What equals *it* stays as the clip has it; what does
+    /// not goes back to meshes through their nodes and skins as they are then. The weights of a mesh's own targets, which our
+    /// track holds beside ours, are those of the moment, linear in between.
+    ///
+    /// [`Player::rest_into`]: wirework_asset::Player::rest_into
+    pub fn push_from(
+        &mut self,
+        moment: &Rest,
+        time: f64,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+        tangents: Option<&[[f32; 3]]>,
+    ) -> Result<(), BakeError> {
         self.check(time, positions, [normals, tangents])?;
+        self.check_moment(moment)?;
         let mut stuck = 0;
-        let mut moved = Vec::with_capacity(self.rest.blocks.len());
-        for block in 0..self.rest.blocks.len() {
+        let mut moved = Vec::with_capacity(moment.blocks.len());
+        for block in 0..moment.blocks.len() {
             let tangents = tangents.filter(|_| self.mapped.contains(&block));
-            let deltas = self.rest.to_local(block, positions, normals, tangents);
+            let deltas = moment.to_local(block, positions, normals, tangents);
             stuck += deltas.stuck;
             moved.push(if deltas.moves() { Some(self.write(block, deltas)?) } else { None });
         }
@@ -214,7 +238,11 @@ impl<'a> Baker<'a> {
                 }
                 Some(self.target(index, filled, time)?)
             };
-            self.nodes[index].frames.push(target);
+            let track = &mut self.nodes[index];
+            track.frames.push(target);
+            let weights = blocks.first().and_then(|&(block, _)| moment.blocks.get(block));
+            let weights = weights.map_or(&[][..], |block| &block.weights);
+            track.weights.extend((0..track.own).map(|k| weights.get(k).copied().unwrap_or(0.0)));
         }
         self.stuck = self.stuck.max(stuck);
         self.times.push(time as f32);
@@ -242,6 +270,21 @@ impl<'a> Baker<'a> {
             return fault("has a vertex that is not finite");
         }
         Ok(())
+    }
+
+    /// Whether it is a moment of the rest.
+    fn check_moment(&self, moment: &Rest) -> Result<(), BakeError> {
+        let (frame, expected, found) = (self.times.len(), self.rest.positions.len(), moment.positions.len());
+        if found != expected {
+            return Err(BakeError::VertexCount { frame, found, expected });
+        }
+        let alike = |(a, b): (&Block, &Block)| {
+            (a.node, a.mesh, a.first, a.count) == (b.node, b.mesh, b.first, b.count)
+                && a.normals.is_some() == b.normals.is_some()
+        };
+        let alike = moment.blocks.len() == self.rest.blocks.len()
+            && moment.blocks.iter().zip(&self.rest.blocks).all(alike);
+        if alike { Ok(()) } else { Err(BakeError::Frame { frame, problem: "is of another document" }) }
     }
 
     /// The target of a block: zeros for what the block has and `deltas` have not, as each target of a primitive has the same
@@ -296,9 +339,12 @@ impl<'a> Baker<'a> {
             gltf.add_targets_by_node(mesh, &targets)?;
         }
         let moving: Vec<&NodeTrack> = nodes.iter().filter(|track| !track.targets.is_empty()).collect();
-        let tracks: Vec<WeightTrack> = moving.iter().map(|track| track.weights(&gltf)).collect();
+        let tracks: Vec<WeightTrack> = moving.iter().map(|track| track.weights()).collect();
         let clip = settings.clip.unwrap_or_else(|| Clip::New(gltf.unused_clip_name("wirework")));
-        gltf.add_clip(&clip, &times, &tracks)?;
+        gltf.add_tracks(
+            &clip,
+            &Tracks { times: &times, weights: &tracks, source: settings.source, ..Tracks::default() },
+        )?;
         let targets = moving.iter().map(|track| track.targets.len()).sum();
         if stuck > 0 {
             gltf.warn(
@@ -311,12 +357,11 @@ impl<'a> Baker<'a> {
 }
 
 impl NodeTrack {
-    /// At each frame the weights of the mesh's own targets as they are by default, then ours: a single 1, or none.
-    fn weights(&self, gltf: &Gltf) -> WeightTrack {
-        let own = gltf.default_weights(self.node);
+    /// At each frame the weights of the mesh's own targets, then ours: a single 1, or none.
+    fn weights(&self) -> WeightTrack {
         let mut weights = Vec::with_capacity(self.frames.len() * (self.own + self.targets.len()));
-        for frame in &self.frames {
-            weights.extend(own.iter().take(self.own));
+        for (k, frame) in self.frames.iter().enumerate() {
+            weights.extend(&self.weights[k * self.own..(k + 1) * self.own]);
             weights.extend((0..self.targets.len()).map(|k| if Some(k) == *frame { 1.0 } else { 0.0 }));
         }
         WeightTrack { node: self.node, weights }
