@@ -12,6 +12,7 @@ use crate::fineness::Span;
 use crate::fit::{Fit, fit};
 use crate::motion::Basis;
 use crate::output::{Pattern, Scene, Target};
+use crate::posing::Posing;
 use crate::report::peak_bytes;
 use crate::source::{Source, parts};
 use crate::strain::{Length, clip_seconds, driving_clip, found, sense};
@@ -127,13 +128,25 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     let (basis, model, point_of) = Basis::of(subject);
     guard_reports(job, parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())))?;
     let mut motion = basis.bind(&effects, fit)?;
+    // Writing takes the model; what plays its clip needs one meanwhile.
+    let played = match &model {
+        Model::Gltf { gltf, rest } if clip.is_some() && motion.evaluation.has_limbs() => {
+            Some((gltf.clone(), rest.clone(), point_of.clone()))
+        }
+        _ => None,
+    };
     if let (Some(clip), Model::Gltf { gltf, rest }) = (clip, &model) {
         sense(&mut motion.evaluation, gltf, rest, &point_of, clip)?;
+    }
+    if let (Some(clip), Some((gltf, rest, point_of))) = (clip, &played) {
+        motion.evaluation.pose_by(Posing::new((gltf, rest), clip, (motion.points, point_of))?);
     }
     motion.sense_before(job.preset.duration)?;
     let mut film = Film { motion, schedule, shade: Duration::ZERO, write: Duration::ZERO, progress };
     let product = match (target, model) {
-        (Target::Gltf(format), model) => film.gltf(job, format, Scene::new(model, point_of, &job.limits)?)?,
+        (Target::Gltf(format), model) => {
+            film.gltf(job, format, Scene::new(model, point_of, &job.limits)?, clip)?
+        }
         (Target::Obj, model) => film.obj(None, model, point_of, clip, job.output)?,
         (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, clip, None)?,
     };
@@ -191,7 +204,8 @@ fn prepare(job: &Job<'_>, source: &Source<'_>) -> Result<Prepared, JobError> {
     }
     let schedule = times(job, length)?;
     let span = Span::new(preset.duration).with(&schedule);
-    let (subject, fit, refinement) = fit(subject, &effects, span, (source.folder(), &job.limits))?;
+    let (subject, fit, refinement) =
+        fit(subject, &effects, (span, preset.duration), (source.folder(), &job.limits))?;
     let mut report = Report {
         points: subject.position_count(),
         frames: schedule.count(),

@@ -7,16 +7,20 @@
 //! `units: Bounds` are parts of the object at rest, for all effects of a list alike. A lattice stays where it is, whatever the
 //! effects before it have done to the object.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use thiserror::Error;
+use wirework_asset::{AssetError, Rest};
 use wirework_core::{BindError, Lattice, LatticeError, Wire};
+use wirework_ik::IkError;
 use wirework_preset::{Action, BoundsFrame, Effect, Units};
 use wirework_surface::Bounds;
 use wirework_wrinkle::{WrinkleError, WrinkleWarning};
 
 use crate::fit::Fit;
+use crate::limbs::{Reach, bare_limbs};
 use crate::mask::{EffectMasks, Masks};
+use crate::posing::Posing;
 use crate::stage::Stage;
 
 /// Effects bound to the points of a surface.
@@ -47,6 +51,8 @@ pub struct Evaluation<'a> {
     /// What an effect works on that is not the first.
     base: Vec<[f32; 3]>,
     spent: Spent,
+    /// The clip that poses what effects from the first limb on work on.
+    posing: Option<Posing<'a>>,
     /// Of names and images that effects ask for.
     pub(crate) warnings: Vec<String>,
 }
@@ -88,6 +94,17 @@ pub enum EvaluateError {
         /// Why.
         error: LatticeError,
     },
+    /// A clip poses a chain so that it is no limb.
+    #[error("effect {effect}: {error}")]
+    Limb {
+        /// Which effect.
+        effect: usize,
+        /// Why.
+        error: IkError,
+    },
+    /// The clip that poses what effects work on is malformed.
+    #[error(transparent)]
+    Clip(#[from] AssetError),
     /// An effect counts in parts of an object that has no size.
     #[error(
         "effect {effect}: `units: Bounds` needs an object with an extent; all points of this one are at one place"
@@ -96,8 +113,10 @@ pub enum EvaluateError {
         /// Which effect.
         effect: usize,
     },
-    /// An effect with `only` or `mask`, or with pieces, is to be bound to bare points.
-    #[error("effect {effect} has `only`, `mask` or pieces, which need the asset that the points are from")]
+    /// An effect with `only` or `mask`, with pieces, with joints of a model or a goal on a curve is to be bound to bare points.
+    #[error(
+        "effect {effect} has `only`, `mask`, pieces, a skin's joints or a goal on a curve, which need more than points"
+    )]
     Scoped {
         /// Which effect.
         effect: usize,
@@ -118,10 +137,11 @@ impl EvaluateError {
         match self {
             Self::Bind { effect, .. }
             | Self::Wrinkle { effect, .. }
+            | Self::Limb { effect, .. }
             | Self::Lattice { effect, .. }
             | Self::NoExtent { effect }
             | Self::Scoped { effect } => Some(*effect),
-            Self::PointCount { .. } => None,
+            Self::PointCount { .. } | Self::Clip(_) => None,
         }
     }
 }
@@ -130,7 +150,7 @@ impl<'a> Evaluation<'a> {
     /// Binds effects to a surface: points in any order, triangles that index them (only wrinkles need any). Each effect after
     /// the first is worked out once, at 0 s, so that one that does not fit the one before it is found here.
     ///
-    /// The effects of a preset are in its `effects`. Those with `only` or `mask`, and stitches, need the names and colours of an asset:
+    /// The effects of a preset are in its `effects`. Those with `only` or `mask`, stitches, and limbs whose joints or goals are a model's or travel a curve, need an asset:
     /// [`Subject::bind`](crate::Subject::bind) is for them. It also knows how long the effects last, which `settle` of a wrinkle
     /// needs that those before it drive; here that is driven by what they do at the same moment.
     pub fn new(
@@ -142,7 +162,11 @@ impl<'a> Evaluation<'a> {
             |effect: &Effect| EffectMasks::wanted(effect) || matches!(effect.action, Action::Stitch(_));
         match effects.iter().position(scoped) {
             Some(effect) => Err(EvaluateError::Scoped { effect }),
-            None => Self::fitted(effects, Fit::default(), points, triangles, Bounds::of(points)),
+            None => {
+                let bounds = Bounds::of(points);
+                let fit = Fit { limbs: bare_limbs(effects, bounds)?, ..Fit::default() };
+                Self::fitted(effects, fit, points, triangles, bounds)
+            }
         }
     }
 
@@ -159,24 +183,27 @@ impl<'a> Evaluation<'a> {
         if let Some(effect) = effects.iter().position(in_bounds).filter(|_| !has_extent(&frame)) {
             return Err(EvaluateError::NoExtent { effect });
         }
-        let Fit { masks: Masks { of_effects, warnings, missing: _ }, seams } = fit;
+        let Fit { masks: Masks { of_effects, warnings, missing: _ }, seams, limbs } = fit;
         let masks = of_effects.into_iter().chain(std::iter::repeat_with(EffectMasks::default));
         let seams = seams.into_iter().chain(std::iter::repeat_with(Vec::new));
+        let mut limbs = limbs.into_iter();
         let mut stages: Vec<Stage> = Vec::with_capacity(effects.len());
         for (index, ((effect, masks), seams)) in effects.iter().zip(masks).zip(seams).enumerate() {
+            let mut limb = limbs.next().flatten();
             // Seams that are sewn one after the other are a stage each.
             let sews = matches!(effect.action, Action::Stitch(_));
             let parts = if sews { seams.into_iter().map(Some).collect() } else { vec![None] };
             for seams in parts {
                 let first = stages.is_empty();
-                stages.push(Stage::new((index, first), effect, &frame, masks.clone(), seams));
+                let fitted = (seams, limb.take());
+                stages.push(Stage::new((index, first), effect, &frame, masks.clone(), fitted));
             }
         }
         let mut spent = Spent::default();
         if let Some(first) = stages.first_mut() {
             first.follow(0.0, (points, points), triangles, &mut spent)?;
         }
-        let mut new = Self { points, triangles, stages, base: Vec::new(), spent, warnings };
+        let mut new = Self { points, triangles, stages, base: Vec::new(), spent, posing: None, warnings };
         if new.stages.len() > 1 {
             new.at(0.0, &mut points.to_vec())?;
             new.unasked();
@@ -199,10 +226,23 @@ impl<'a> Evaluation<'a> {
         seconds: f64,
         out: &mut [[f32; 3]],
     ) -> Result<(), EvaluateError> {
+        let posed = self.posed_from();
+        if let Some(posing) = &mut self.posing {
+            let start = Instant::now();
+            posing.settle(seconds)?;
+            self.stages.iter_mut().try_for_each(|stage| stage.follow_nodes(posing))?;
+            self.spent.bind += start.elapsed();
+        }
         let before = self.stages.iter_mut().take_while(|stage| stage.index < effect);
         for (number, stage) in before.enumerate() {
+            if let Some(posing) = self.posing.as_mut().filter(|_| Some(number) == posed) {
+                match number {
+                    0 => out.copy_from_slice(posing.points()),
+                    _ => posing.pose(seconds, out)?,
+                }
+            }
             let mut base = self.points;
-            if number > 0 {
+            if number > 0 || posed == Some(0) {
                 self.base.clear();
                 self.base.extend_from_slice(out);
                 base = &self.base;
@@ -211,6 +251,45 @@ impl<'a> Evaluation<'a> {
             stage.deform(seconds, out, &mut self.spent)?;
         }
         Ok(())
+    }
+
+    /// Plays a clip from now on: limbs look at its nodes, and from the first one on whose joints are nodes, effects work on what it poses.
+    pub(crate) fn pose_by(&mut self, posing: Posing<'a>) {
+        self.posing = Some(posing);
+        let from = self.posed_from().unwrap_or(self.stages.len());
+        self.stages.iter_mut().skip(from).for_each(Stage::leave_rest);
+    }
+
+    /// The stage from which on points are as the clip poses them.
+    fn posed_from(&self) -> Option<usize> {
+        self.posing.as_ref()?;
+        self.stages.iter().position(Stage::is_posed)
+    }
+
+    /// The model without effects, and its points, at the moment that was last worked out; none where points are not posed by a clip.
+    pub(crate) fn moment(&self) -> Option<(&Rest, &[[f32; 3]])> {
+        self.posed_from()?;
+        self.posing.as_ref().map(|posing| (posing.moment(), posing.points()))
+    }
+
+    /// Whether points are posed by a clip.
+    pub(crate) fn is_posed(&self) -> bool {
+        self.posed_from().is_some()
+    }
+
+    /// Plays the clip, where one poses points or what limbs reach for.
+    pub(crate) fn posing(&self) -> Option<&Posing<'a>> {
+        self.posing.as_ref()
+    }
+
+    /// Whether an effect is a limb that looks at a model's nodes.
+    pub(crate) fn has_limbs(&self) -> bool {
+        self.limbs().any(Reach::watches)
+    }
+
+    /// The limbs among the effects.
+    pub(crate) fn limbs(&self) -> impl Iterator<Item = &Reach> {
+        self.stages.iter().filter_map(Stage::reach)
     }
 
     /// Notes that nobody has asked for the moments so far.

@@ -17,7 +17,7 @@ use crate::output::{Pattern, Scene, scene_mesh};
 use crate::parts::MeshPart;
 use crate::shade::{Follow, Vertices, own_normals};
 use crate::subject::Model;
-use crate::{Job, JobError, NewClip, Progress, Schedule};
+use crate::{Evaluation, Job, JobError, NewClip, Progress, Schedule};
 
 /// What came out.
 #[derive(Default)]
@@ -42,26 +42,37 @@ impl Film<'_> {
     fn play(
         &mut self,
         vertices: &mut [Vertices],
-        mut take: impl FnMut(u32, f64, &[Vertices]) -> Result<(), JobError>,
+        mut take: impl FnMut(u32, f64, &[Vertices], &Evaluation<'_>) -> Result<(), JobError>,
     ) -> Result<(), JobError> {
         let frames = self.schedule.count();
         for (done, (frame, seconds)) in self.schedule.moments().enumerate() {
             self.motion.at(seconds)?;
             let start = Instant::now();
+            let moment = self.motion.evaluation.moment();
             for list in vertices.iter_mut() {
-                list.place(self.motion.points, &self.motion.now);
+                if let Some((moment, _)) = moment {
+                    list.repose(moment)?;
+                }
+                list.place(self.motion.before(), &self.motion.now);
                 list.shade(self.motion.evaluation.joints())?;
             }
             let shaded = Instant::now();
             self.shade += shaded - start;
-            take(frame, seconds, vertices)?;
+            take(frame, seconds, vertices, &self.motion.evaluation)?;
             self.write += shaded.elapsed();
             (self.progress)(Progress { done: done + 1, frames });
         }
         Ok(())
     }
 
-    pub(crate) fn gltf(&mut self, job: &Job<'_>, format: Format, scene: Scene) -> Result<Product, JobError> {
+    /// A glTF document; `under` is the clip that poses what the effect works on.
+    pub(crate) fn gltf(
+        &mut self,
+        job: &Job<'_>,
+        format: Format,
+        scene: Scene,
+        under: Option<usize>,
+    ) -> Result<Product, JobError> {
         let Scene { mut gltf, rest, point_of, .. } = scene;
         let known = gltf.warnings().len();
         let clips = gltf.clip_names().len();
@@ -71,10 +82,15 @@ impl Film<'_> {
         let mut vertices = [Vertices::of_scene(&rest, point_of)?.with_tangents(&rest, who)?];
         self.shade += start.elapsed();
         if still {
-            self.play(&mut vertices, |_, _, vertices| {
+            self.play(&mut vertices, |_, seconds, vertices, evaluation| {
                 let [vertices] = vertices else { return Ok(()) };
+                let mut now = &rest;
+                if let (Some((moment, _)), Some(posing)) = (evaluation.moment(), evaluation.posing()) {
+                    gltf.pose_nodes(posing.player())?;
+                    now = moment;
+                }
                 let stuck =
-                    gltf.set_still(&rest, &vertices.positions, vertices.normals(), vertices.tangents())?;
+                    gltf.set_still(now, &vertices.positions, vertices.normals(), vertices.tangents())?;
                 if stuck > 0 {
                     let who = if stuck == 1 { "vertex stays" } else { "vertices stay" };
                     gltf.warn("singular", format!("{stuck} {who} in place: the transform has no inverse"));
@@ -84,11 +100,20 @@ impl Film<'_> {
         } else {
             let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
             let (bake, max_targets) = (job.bake, job.max_targets);
-            let settings = Settings { bake, max_targets, clip, ..Settings::default() };
+            // What starts from a clip is nothing without it.
+            let source = under.filter(|_| self.motion.evaluation.is_posed());
+            let settings = Settings { bake, max_targets, clip, source, ..Settings::default() };
             let mut baker = Baker::new(gltf, &rest, settings);
-            self.play(&mut vertices, |_, seconds, vertices| {
+            self.play(&mut vertices, |_, seconds, vertices, evaluation| {
                 let [vertices] = vertices else { return Ok(()) };
-                Ok(baker.push(seconds, &vertices.positions, vertices.normals(), vertices.tangents())?)
+                let now = evaluation.moment().map_or(&rest, |(moment, _)| moment);
+                Ok(baker.push_from(
+                    now,
+                    seconds,
+                    &vertices.positions,
+                    vertices.normals(),
+                    vertices.tangents(),
+                )?)
             })?;
             let start = Instant::now();
             gltf = baker.finish()?.gltf;
@@ -123,9 +148,10 @@ impl Film<'_> {
         match model {
             Model::Gltf { gltf, rest } => {
                 let mut vertices = [Vertices::of_scene(&rest, point_of)?];
+                let clip = clip.filter(|_| !self.motion.evaluation.is_posed());
                 let mut posed = clip.map(|clip| Posed::new(&gltf, &rest, clip)).transpose()?;
                 self.shade += start.elapsed();
-                self.play(&mut vertices, |frame, seconds, vertices| {
+                self.play(&mut vertices, |frame, seconds, vertices, _| {
                     let [vertices] = vertices else { return Ok(()) };
                     let (mut positions, mut normals) = (vertices.positions.as_slice(), vertices.normals());
                     if let Some(posed) = &mut posed {
@@ -143,7 +169,7 @@ impl Film<'_> {
                 let places = Vertices::new(mesh.positions.clone(), point_of);
                 let mut vertices: Vec<Vertices> = [places].into_iter().chain(normals).collect();
                 self.shade += start.elapsed();
-                self.play(&mut vertices, |frame, _, vertices| {
+                self.play(&mut vertices, |frame, _, vertices, _| {
                     follow(&mut mesh, vertices);
                     // The frames of a sequence are to have the same vertices.
                     if pattern.is_some() {

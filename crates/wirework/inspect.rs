@@ -220,6 +220,7 @@ fn of_effect(effect: &Effect) -> EffectFacts {
         Action::Deform(deform) => ("Deform", deform.wires.len(), deform.lattice.map(|lattice| lattice.cells)),
         Action::Wrinkle(wrinkle) => ("Wrinkle", wrinkle.crease_count(), None),
         Action::Stitch(stitching) => ("Stitch", 2 * stitching.stitch.seams.len(), None),
+        Action::Ik(_) => ("Ik", 1, None),
     };
     let (pieces, seams) = match &effect.action {
         Action::Stitch(stitching) => of_stitching(stitching),

@@ -132,7 +132,7 @@ type Own<'a> = (Option<&'a Only>, Option<&'a Mask>);
 fn wires_own(effect: &Effect) -> impl Iterator<Item = Own<'_>> {
     let wires = match &effect.action {
         Action::Deform(deform) => deform.wires.as_slice(),
-        Action::Wrinkle(_) | Action::Stitch(_) => &[],
+        Action::Wrinkle(_) | Action::Stitch(_) | Action::Ik(_) => &[],
     };
     wires.iter().map(|wire| (wire.only(), wire.mask()))
 }
@@ -204,7 +204,12 @@ impl<'a> Maker<'a> {
     fn effect(&mut self, effect: &'a Effect) -> Result<EffectMasks, JobError> {
         let only = effect.only.as_ref().map_or(Ok(None), |only| self.only(only))?;
         let paint = effect.mask.as_ref().map_or(Ok(None), |mask| self.paint(mask))?;
-        let all = self.product(only, paint)?;
+        let mut all = self.product(only, paint)?;
+        if let Action::Ik(_) = &effect.action {
+            let factors = only::weighed(effect, self.subject, &mut self.warnings);
+            let weights = self.take(factors)?;
+            all = self.product(all, weights)?;
+        }
         if wires_own(effect).all(|own| own == (None, None)) {
             return Ok(EffectMasks { all, wires: Vec::new() });
         }

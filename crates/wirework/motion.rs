@@ -69,6 +69,11 @@ struct Controlled<'a> {
 }
 
 impl Motion<'_> {
+    /// Where the points are without effects: at rest, or as a clip poses them at the moment.
+    pub(crate) fn before(&self) -> &[[f32; 3]] {
+        self.evaluation.moment().map_or(self.points, |(_, points)| points)
+    }
+
     /// Tells effects that no clip drives how those before them compress the surface in the course of `duration` seconds.
     pub(crate) fn sense_before(&mut self, duration: f64) -> Result<(), JobError> {
         sense_before(&mut self.evaluation, duration).map_err(unfit(self.origin, self.effects))

@@ -10,6 +10,7 @@ use wirework_surface::Cut;
 
 use crate::evaluate::bounds_frame;
 use crate::fit::Fit;
+use crate::limbs::limbs;
 use crate::mask::{Masks, masks};
 use crate::refine::Refinement;
 use crate::unfit::unfit;
@@ -102,7 +103,7 @@ pub(crate) fn sew_welded(
         made = masks(&subject, effects, folder, limits)?.complete()?;
         resew(&subject, effects, (&mut sewn, &made), (&cuts, &new))?;
     }
-    Ok((subject, Fit { masks: made, seams: sewn }, done))
+    Ok((subject, Fit { masks: made, seams: sewn, ..Fit::default() }, done))
 }
 
 /// Lays all seams on a subject whose borders have been cut.
@@ -173,7 +174,9 @@ fn base(
         let before = &effects[..index];
         let of_effects = masks.of_effects.iter().take(index).cloned().collect();
         let seams = sewn.iter().take(index).cloned().collect();
-        let fit = Fit { masks: Masks { of_effects, ..Masks::default() }, seams };
+        // Where a goal is at 0 s does not depend on how long it takes.
+        let limbs = limbs(subject, before, 0.0)?;
+        let fit = Fit { masks: Masks { of_effects, ..Masks::default() }, seams, limbs };
         let fail = unfit(&subject.origin, effects);
         let bounds = subject.bounds();
         let mut evaluation =

@@ -18,6 +18,8 @@ pub(crate) struct Vertices {
     point_of: Vec<u32>,
     shading: Option<Shading>,
     joints: Joints,
+    /// Whose tangents follow; none: nobody's.
+    who: Option<Follow>,
     /// Present positions.
     pub(crate) positions: Vec<[f32; 3]>,
 }
@@ -50,7 +52,7 @@ impl Vertices {
     /// Vertices without normals; `point_of` has the point of each.
     pub(crate) fn new(rest: Vec<[f32; 3]>, point_of: Vec<u32>) -> Self {
         let positions = rest.clone();
-        Self { rest, point_of, shading: None, joints: Joints::default(), positions }
+        Self { rest, point_of, shading: None, joints: Joints::default(), who: None, positions }
     }
 
     /// Gives each vertex a normal, which follows the triangles round it.
@@ -79,6 +81,7 @@ impl Vertices {
 
     /// Lets tangents follow as well, where the scene, that of [`Vertices::of_scene`], has any.
     pub(crate) fn with_tangents(mut self, rest: &Rest, who: Follow) -> Result<Self, NormalsError> {
+        self.who = Some(who);
         let Some(shading) = &mut self.shading else { return Ok(self) };
         let mut tangents = vec![[0.0; 3]; self.rest.len()];
         let mut uvs = vec![[0.0; 2]; self.rest.len()];
@@ -108,6 +111,16 @@ impl Vertices {
             shading.tangents = Some(Tangential { model, buffer: TangentsBuffer::default(), now: tangents });
         }
         Ok(self)
+    }
+
+    /// Starts from another rest of the same scene, as a clip poses it.
+    pub(crate) fn repose(&mut self, moment: &Rest) -> Result<(), NormalsError> {
+        let new = Self::of_scene(moment, std::mem::take(&mut self.point_of))?;
+        *self = match self.who {
+            Some(who) => new.with_tangents(moment, who)?,
+            None => new,
+        };
+        Ok(())
     }
 
     /// Takes the present places of the points, at rest `points`, to the positions.

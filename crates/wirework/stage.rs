@@ -8,7 +8,9 @@ use wirework_stitch::Surfaces;
 use wirework_surface::Near;
 use wirework_wrinkle::{Creases, SurfaceView, WrinkleWarning, creases};
 
+use crate::limbs::Reach;
 use crate::mask::{EffectMasks, WireMask};
+use crate::posing::Posing;
 use crate::sew::Part;
 use crate::weld::bits;
 use crate::{EvaluateError, Spent};
@@ -27,6 +29,7 @@ pub(crate) struct Stage {
     pub(crate) wires: Vec<Wire>,
     creases: Option<Creases>,
     seams: Option<Part>,
+    reach: Option<Reach>,
     /// What each crease, or the wire along each edge, may move.
     near: Vec<Near>,
     /// Whether a clip, or the effects before over all their time, have told how the surface is compressed.
@@ -70,12 +73,13 @@ impl Stage {
         effect: &Effect,
         frame: &BoundsFrame,
         masks: EffectMasks,
-        seams: Option<Part>,
+        (seams, reach): (Option<Part>, Option<Reach>),
     ) -> Self {
         let action = effect.placed(frame).action;
         let (blend, lattice) = match &action {
             Action::Deform(deform) => (deform.blend, deform.lattice),
             Action::Wrinkle(wrinkle) => (wrinkle.blend, None),
+            Action::Ik(_) => (Blend::default(), None),
             Action::Stitch(_) => {
                 (seams.as_ref().map_or_else(Blend::default, |part| part.seams.blend()), None)
             }
@@ -91,6 +95,7 @@ impl Stage {
             creases: None,
             near: seams.as_ref().map_or_else(Vec::new, |part| part.seams.near().to_vec()),
             seams,
+            reach,
             told: false,
             fineness: if effect.refine { Fineness::Wanted } else { Fineness::AsItIs },
             coarse: None,
@@ -114,7 +119,8 @@ impl Stage {
         let settled =
             self.on_rest || (self.bound_to.len() == base.len() && self.bound_to.iter().zip(base).all(same));
         let first = self.binding.is_none();
-        let there = settled && !first;
+        let moved = self.reach.as_mut().is_some_and(Reach::has_moved);
+        let there = settled && !first && !moved;
         if there && !self.creases.as_ref().is_some_and(Creases::moves) {
             return Ok(());
         }
@@ -219,6 +225,14 @@ impl Stage {
                     keyed.at_into(seconds, wire);
                 }
             }
+            Action::Ik(_) => {
+                if let Some(reach) = &self.reach {
+                    if self.wires.is_empty() {
+                        self.wires.push(reach.wire());
+                    }
+                    reach.wire_into(seconds, &mut self.wires[0]);
+                }
+            }
             Action::Wrinkle(_) => {
                 if let Some(creases) = &mut self.creases {
                     creases.wires_at(seconds, &mut self.wires);
@@ -264,6 +278,28 @@ impl Stage {
         spent.deform += start.elapsed();
         self.reached = self.reached || (binding.reaches() && !self.is_empty_lattice());
         Ok(())
+    }
+
+    /// The limb, where it is one.
+    pub(crate) fn reach(&self) -> Option<&Reach> {
+        self.reach.as_ref()
+    }
+
+    /// Whether it is a limb that a clip poses together with what it moves.
+    pub(crate) fn is_posed(&self) -> bool {
+        self.reach.as_ref().is_some_and(|reach| !reach.nodes().is_empty())
+    }
+
+    /// Notes that it works on what a clip poses.
+    pub(crate) fn leave_rest(&mut self) {
+        self.on_rest = false;
+    }
+
+    /// Takes up where the nodes are that a limb looks at.
+    pub(crate) fn follow_nodes(&mut self, posing: &Posing<'_>) -> Result<(), EvaluateError> {
+        let effect = self.index;
+        let Some(reach) = &mut self.reach else { return Ok(()) };
+        reach.follow(|node| posing.place(node)).map_err(|error| EvaluateError::Limb { effect, error })
     }
 
     /// Whether it has nothing that could move a point.

@@ -11,6 +11,7 @@ use wirework_wrinkle::{Drawn, Field, Pattern, SurfaceView, Wrinkle, WrinkleError
 use crate::evaluate::bounds_frame;
 use crate::film::find_clip;
 use crate::fit::Fit;
+use crate::limbs::limbs;
 use crate::mask::masks;
 use crate::reach::which;
 use crate::sew::sew;
@@ -27,7 +28,8 @@ const MOST: usize = 4096;
 /// lasts but a moment, and average over less than `settle` where a step is longer than a third of that.
 const MOST_BEFORE: usize = 1024;
 
-/// The clip that drives an effect: the one asked for, or else the first. None where no effect is driven, or there is no clip.
+/// The clip that drives an effect, or poses what a limb is part of or reaches for: the one asked for, or else the first. None where no effect looks
+/// at one, or there is no clip.
 ///
 /// # Errors
 ///
@@ -38,8 +40,11 @@ pub(crate) fn driving_clip(
     wanted: Option<&str>,
 ) -> Result<Option<usize>, JobError> {
     let Model::Gltf { gltf, .. } = model else { return Ok(None) };
-    let driven =
-        |effect: &Effect| matches!(&effect.action, Action::Wrinkle(wrinkle) if wrinkle.drive.is_some());
+    let driven = |effect: &Effect| match &effect.action {
+        Action::Wrinkle(wrinkle) => wrinkle.drive.is_some(),
+        Action::Ik(limb) => limb.watches(),
+        _ => false,
+    };
     if !effects.iter().any(driven) {
         return Ok(None);
     }
@@ -158,7 +163,7 @@ fn moments(
     }
     let masks = masks(subject, before, folder, limits)?.complete()?;
     let seams = sew(subject, before, &masks)?;
-    let fit = Fit { masks, seams };
+    let fit = Fit { masks, seams, limbs: limbs(subject, before, duration)? };
     let fail = unfit(&subject.origin, all);
     let bounds = subject.bounds();
     let mut effects =

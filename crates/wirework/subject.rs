@@ -9,8 +9,10 @@ use wirework_preset::{Action, Effect, Object, Piece, Preset, PresetError};
 use wirework_surface::{Bounds, Mesh, Transform};
 
 use crate::fit::Fit;
+use crate::limbs::limbs;
 use crate::mask::{Masks, masks};
 use crate::parts::{MeshPart, of_positions};
+use crate::posing::Posing;
 use crate::sew::sew;
 use crate::strain::{driving_clip, found, sense, sense_before};
 use crate::unfit::unfit;
@@ -303,7 +305,7 @@ impl Subject {
         duration: f64,
     ) -> Result<Evaluation<'_>, JobError> {
         let seams = sew(self, effects, &masks)?;
-        let fit = Fit { masks, seams };
+        let fit = Fit { masks, seams, limbs: limbs(self, effects, duration)? };
         let bound = Evaluation::fitted(effects, fit, &self.points, &self.triangles, self.bounds());
         let mut evaluation = bound.map_err(unfit(&self.origin, effects))?;
         evaluation.warnings.extend(unfound);
@@ -311,6 +313,9 @@ impl Subject {
             (driving_clip(effects, &self.model, None)?, &self.model)
         {
             sense(&mut evaluation, gltf, rest, &self.point_of, clip)?;
+            if evaluation.has_limbs() {
+                evaluation.pose_by(Posing::new((gltf, rest), clip, (&self.points, &self.point_of))?);
+            }
         }
         sense_before(&mut evaluation, duration).map_err(unfit(&self.origin, effects))?;
         Ok(evaluation)

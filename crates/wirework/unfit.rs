@@ -60,6 +60,7 @@ fn field(error: &EvaluateError, effect: &Effect) -> String {
         (EvaluateError::Bind { error: BindError::Blend(part), .. }, _) => format!("blend.{part}"),
         (EvaluateError::Lattice { .. }, _) => "lattice".to_owned(),
         (EvaluateError::NoExtent { .. }, _) => "units".to_owned(),
+        (EvaluateError::Limb { error, .. }, _) => error.path(),
         (EvaluateError::Wrinkle { error, .. }, Action::Wrinkle(wrinkle)) => {
             of_wrinkle(error, wrinkle, effect.units)
         }

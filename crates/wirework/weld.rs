@@ -57,7 +57,7 @@ impl Weld {
     }
 }
 
-/// Takes the present place of each point to its positions. A position whose point has not moved keeps its own bits.
+/// Takes the present place of each point to its positions, `rest` before. A position whose point has not moved keeps its own bits.
 pub(crate) fn spread(
     point_of: &[u32],
     points: &[[f32; 3]],
@@ -68,7 +68,10 @@ pub(crate) fn spread(
     let one = |((out, &place), own): ((&mut [f32; 3], &u32), &[f32; 3])| {
         let place = place as usize;
         *out = match (points.get(place), now.get(place)) {
-            (Some(before), Some(now)) if bits(*before) != bits(*now) => *now,
+            (Some(before), Some(now)) if bits(*before) == bits(*now) => *own,
+            (Some(before), Some(now)) if own == before => *now,
+            // A clip has taken it away from its point: it keeps as far.
+            (Some(before), Some(now)) => std::array::from_fn(|k| own[k] + (now[k] - before[k])),
             _ => *own,
         };
     };

@@ -25,6 +25,13 @@ pub struct Limb {
     pub ik: Ik,
 }
 
+impl Limb {
+    /// Whether it looks at joints or nodes of a model, which a clip may move.
+    pub fn watches(&self) -> bool {
+        matches!(self.chain, Chain::Skin { .. }) || matches!(self.goal, Goal::Node(_))
+    }
+}
+
 /// The joints of a limb, from its root to its tip.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Chain {

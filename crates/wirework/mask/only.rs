@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use wirework_asset::{Gltf, Obj, Rest, printable};
-use wirework_preset::{Named, Only, PresetError};
+use wirework_preset::{Effect, Named, Only, PresetError};
 
 use super::{Lack, MISSING_LISTED};
+use crate::limbs::weighing;
 use crate::parts::of_positions;
 use crate::{MeshPart, Model, Pieces, Subject};
 
@@ -37,11 +38,7 @@ pub(super) fn factors(only: &Only, subject: &Subject, warnings: &mut Vec<String>
         return Ok(vec![1.0; subject.points.len()]);
     }
     let mut out = vec![1.0; subject.points.len()];
-    for (&point, &factor) in subject.point_of.iter().zip(&of_vertices) {
-        if let Some(slot) = out.get_mut(point as usize) {
-            *slot = factor.min(*slot);
-        }
-    }
+    least(&mut out, subject, &of_vertices);
     if matches!(only, Only::Nodes(_)) {
         warnings.extend(shared(&of_vertices, subject, &out));
     }
@@ -57,6 +54,34 @@ fn shared(of_vertices: &[f32], subject: &Subject, of_points: &[f32]) -> Option<S
         format!("`only: Nodes([..])`: {stay}, for other nodes have vertices at the same places [only-shared]")
     };
     (stay > 0).then(message)
+}
+
+/// The factor of each point for a limb: the sum of its vertices' weights for the limb's joints, the least of its vertices; 1 where the limb does not
+/// ask for weights.
+pub(super) fn weighed(
+    effect: &Effect,
+    subject: &Subject,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<f32>, Lack> {
+    let mut out = vec![1.0; subject.points.len()];
+    let Model::Gltf { gltf, rest } = &subject.model else { return Ok(out) };
+    let joints = weighing(gltf, effect).map_err(|error| Lack::Missing(vec![error]))?;
+    let Some(joints) = joints else { return Ok(out) };
+    let weights = gltf.joint_weights(rest, &joints)?;
+    if weights.used.is_empty() {
+        warnings.push("the joints of the limb carry no vertex [only-empty]".to_owned());
+    }
+    least(&mut out, subject, &weights.of_vertices);
+    Ok(out)
+}
+
+/// Gives each point the least factor of its vertices.
+fn least(out: &mut [f32], subject: &Subject, of_vertices: &[f32]) {
+    for (&point, &factor) in subject.point_of.iter().zip(of_vertices) {
+        if let Some(slot) = out.get_mut(point as usize) {
+            *slot = factor.min(*slot);
+        }
+    }
 }
 
 fn of_gltf(

@@ -13,6 +13,7 @@ use crate::output::Scene;
 use crate::picture::dress::Dress;
 use crate::picture::show::Show;
 use crate::picture::{PictureJob, Shown};
+use crate::posing::Posing;
 use crate::source::{Source, parts, refused};
 use crate::strain::{clip_seconds, driving_clip, found, sense};
 use crate::subject::Origin;
@@ -84,7 +85,8 @@ impl Setting {
             None => Default::default(),
         };
         let span = job.span(&effects, &subject.model)?;
-        let (subject, fit, refinement) = fit(subject, &effects, span, (folder, &job.limits))?;
+        let duration = job.preset().map_or(0.0, |preset| preset.duration);
+        let (subject, fit, refinement) = fit(subject, &effects, (span, duration), (folder, &job.limits))?;
         let mut warnings = subject.warnings();
         warnings.extend(unfound);
         warnings.extend(refinement.warnings);
@@ -133,6 +135,12 @@ impl Setting {
             && motion.evaluation.is_driven()
         {
             sense(&mut motion.evaluation, &self.gltf, &self.rest, &self.point_of, clip)?;
+        }
+        if let (Some(motion), Some(clip)) = (&mut motion, clip)
+            && motion.evaluation.has_limbs()
+        {
+            let points = (motion.points, self.point_of.as_slice());
+            motion.evaluation.pose_by(Posing::new((&self.gltf, &self.rest), clip, points)?);
         }
         if let (Some(motion), Some(preset)) = (&mut motion, job.preset()) {
             motion.sense_before(preset.duration)?;

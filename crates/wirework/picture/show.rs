@@ -72,7 +72,7 @@ impl<'a> Show<'a> {
     pub(crate) fn moved(&self) -> f64 {
         let Some(motion) = &self.motion else { return 0.0 };
         let squares =
-            motion.points.iter().zip(&motion.now).map(|(p, q)| {
+            motion.before().iter().zip(&motion.now).map(|(p, q)| {
                 p.iter().zip(q).map(|(a, b)| (f64::from(*b) - f64::from(*a)).powi(2)).sum::<f64>()
             });
         squares.sum()
@@ -82,8 +82,11 @@ impl<'a> Show<'a> {
         let rest = &self.setting.rest;
         if let Some(motion) = &mut self.motion {
             motion.at(seconds)?;
-            let now = if before { motion.points } else { &motion.now };
-            self.vertices.place(motion.points, now);
+            if let Some((moment, _)) = motion.evaluation.moment() {
+                self.vertices.repose(moment)?;
+            }
+            let now = if before { motion.before() } else { &motion.now };
+            self.vertices.place(motion.before(), now);
             if shaded {
                 let joints = motion.evaluation.joints().filter(|_| !before);
                 self.vertices.shade(joints)?;
@@ -91,7 +94,8 @@ impl<'a> Show<'a> {
         }
         let normals = self.vertices.normals();
         // Before its clip, too, a model is at rest; under an effect the clip is part of both.
-        let player = self.player.as_mut().filter(|_| self.motion.is_some() || !before);
+        let posed = self.motion.as_ref().is_some_and(|motion| motion.evaluation.is_posed());
+        let player = self.player.as_mut().filter(|_| (self.motion.is_some() || !before) && !posed);
         let Some(player) = player else {
             self.positions.clone_from(&self.vertices.positions);
             self.normals.clear();
