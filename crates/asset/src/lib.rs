@@ -77,6 +77,7 @@ pub use obj::{Obj, ObjElements, ObjMaterial, ObjMembers, ObjPart, ObjTexture, wr
 pub use output::{OutputFile, Spool, check_output, same_file, write_files};
 pub use parts::NodeParts;
 pub use player::Player;
+pub use pose::NodePose;
 pub use primitive::Mode;
 pub use refine::{Refined, RefinedMesh};
 pub use rest::{Block, Part, Rest};
