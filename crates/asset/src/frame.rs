@@ -98,6 +98,14 @@ impl Frame {
         }
     }
 
+    /// Whether a vertex is in the world where it is in the mesh.
+    pub(crate) fn is_identity(&self, vertex: usize) -> bool {
+        match self {
+            Self::Node(way) => way.identity,
+            Self::Skin { influences, joints, .. } => influences.matrix(vertex, joints) == DAffine3::IDENTITY,
+        }
+    }
+
     /// Whether most of it turns right-handed into left-handed, which turns triangles round.
     pub(crate) fn mirrored(&self) -> bool {
         match self {

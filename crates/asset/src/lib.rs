@@ -2,9 +2,9 @@
 //!
 //! Only this crate knows the two formats. A [`Gltf`] keeps the document as it was read; [`Gltf::rest`] gives what
 //! its scene shows, in world space, as plain arrays; an effect deforms them; [`Rest::to_local`] takes the result
-//! back through nodes and skins; [`Gltf::player`] plays clips, with or without it; and what is added to the document
-//! comes after everything that was there, so that no index moves and whatever the effect does not touch comes out as
-//! it went in.
+//! back through nodes and skins; [`Gltf::player`] plays clips, with or without it, and [`Player::rest_into`] makes a rest of
+//! any moment of one; and what is added to the document comes after everything that was there, so that no index moves and
+//! whatever the effect does not touch comes out as it went in.
 //!
 //! Nothing is trusted: ranges, counts and types are checked where they are read, and [`Limits`] before memory is
 //! asked for. No input makes this crate panic.
@@ -77,6 +77,7 @@ pub use obj::{Obj, ObjElements, ObjMaterial, ObjMembers, ObjPart, ObjTexture, wr
 pub use output::{OutputFile, Spool, check_output, same_file, write_files};
 pub use parts::NodeParts;
 pub use player::Player;
+pub use pose::NodePose;
 pub use primitive::Mode;
 pub use refine::{Refined, RefinedMesh};
 pub use rest::{Block, Part, Rest};

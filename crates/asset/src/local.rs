@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::rest::Rest;
-use crate::way::{double, single};
+use crate::way::{difference, double, single};
 
 /// So many vertices are taken back by one thread at a time.
 const BLOCK: usize = 1 << 12;
@@ -27,7 +27,8 @@ impl Rest {
     ///
     /// `positions`, `normals` and `tangents` are those of *all* vertices, as long as [`Rest::positions`], in world space. What
     /// equals the rest, bit for bit, gets deltas of exactly 0; elsewhere position + delta, taken through node or
-    /// skin, is the deformed position, and normal + delta, of length 1, points along the deformed normal. So does tangent + delta
+    /// skin, is the deformed position, to its last bit where the mesh is in the world as it is and a displacement in floats
+    /// brings it there; and normal + delta, of length 1, points along the deformed normal. So does tangent + delta
     /// along the tangent; one that is 0 stays as it is.
     pub fn to_local<'a>(
         &'a self,
@@ -70,7 +71,11 @@ impl Rest {
                         continue;
                     };
                     if moves {
-                        slots.positions[slot] = clean(single(inverse * delta));
+                        slots.positions[slot] = clean(if way.identity {
+                            std::array::from_fn(|k| difference(rest[v][k], now[v][k]))
+                        } else {
+                            single(inverse * delta)
+                        });
                     }
                     // Normals go back by the transpose, what lies along the surface by the inverse.
                     if let (Some(turned), Some(slot)) = (normal, slots.normals.get_mut(slot)) {

@@ -9,11 +9,14 @@ pub(crate) struct Way {
     pub(crate) inverse: Option<DMat3>,
     /// Takes normals back, but for their length: the transpose of the linear part.
     pub(crate) transpose: DMat3,
+    /// Whether it leads nowhere: the mesh is in the world as it is.
+    pub(crate) identity: bool,
 }
 
 impl Way {
     pub(crate) fn new(matrix: &DAffine3) -> Self {
-        Self { inverse: inverse(matrix), transpose: matrix.matrix3.transpose() }
+        let identity = *matrix == DAffine3::IDENTITY;
+        Self { inverse: inverse(matrix), transpose: matrix.matrix3.transpose(), identity }
     }
 
     /// A direction along the surface of the mesh, in the world.
@@ -45,6 +48,14 @@ fn inverse(matrix: &DAffine3) -> Option<DMat3> {
 pub(crate) fn place(matrix: &DAffine3, vertex: DVec3) -> Result<[f32; 3], &'static str> {
     let world = single(matrix.transform_point3(vertex));
     if world.iter().all(|c| c.is_finite()) { Ok(world) } else { Err("a vertex beyond the range of floats") }
+}
+
+/// The displacement that brings `base` to `target` where players add it, in floats: the rounded difference, unless that misses
+/// and one beside it does not, as happens at powers of two. There may be none, as where `target` is much nearer to 0 than `base`.
+pub(crate) fn difference(base: f32, target: f32) -> f32 {
+    let rounded = (f64::from(target) - f64::from(base)) as f32;
+    let near = [rounded, rounded.next_up(), rounded.next_down()];
+    near.into_iter().find(|delta| base + delta == target).unwrap_or(rounded)
 }
 
 pub(crate) fn double(v: [f32; 3]) -> DVec3 {

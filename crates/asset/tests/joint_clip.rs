@@ -149,6 +149,26 @@ fn a_new_clip_may_play_another_too() {
 }
 
 #[test]
+fn a_property_has_one_channel_by_whatever_name() {
+    let mut doc = scene();
+    let pointers =
+        ["/nodes/2/rotation", "/nodes/2/weights/0", "/nodes/2", "/nodes/x/rotation", "/nodes/5/rotation"];
+    for pointer in pointers {
+        let pointer = json!({ "KHR_animation_pointer": { "pointer": pointer } });
+        let channel = json!({ "sampler": 0, "target": { "path": "pointer", "extensions": pointer } });
+        doc.json["animations"][0]["channels"].as_array_mut().unwrap().push(channel);
+    }
+    let mut gltf = doc.open().unwrap();
+    let turns = [[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, HALF, HALF], [0.0, 0.0, 0.0, 1.0]];
+    let new = add(&mut gltf, &new(), &[joint(2, &turns)], Some(0)).unwrap();
+    let channels = gltf.json()["animations"][new]["channels"].as_array().unwrap();
+    let kept = channels
+        .iter()
+        .filter_map(|channel| channel.pointer("/target/extensions/KHR_animation_pointer/pointer")?.as_str());
+    assert_eq!(kept.collect::<Vec<&str>>(), pointers[1..]);
+}
+
+#[test]
 fn a_channel_that_is_there_plays_ours() {
     let doc = scene();
     let mut gltf = doc.open().unwrap();

@@ -106,7 +106,9 @@ fn without_a_clip_the_bits_of_the_rest_stay() {
     same(&again, &rest);
     // And with them the ways: nothing moves, and what moves goes the same way.
     let mut moved = rest.positions.clone();
-    moved.iter_mut().for_each(|p| p[1] += 0.25);
+    for p in &mut moved {
+        p[1] += 0.25;
+    }
     for block in 0..rest.blocks.len() {
         let by = |rest: &Rest| rest.to_local(block, &moved, None, None);
         assert_eq!(by(&again), by(&rest));

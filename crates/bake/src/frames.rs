@@ -7,60 +7,7 @@ use wirework_asset::{
     AssetError, Block, Clip, Gltf, LocalDeltas, MeshTarget, MorphTarget, Rest, Tracks, WeightTrack, printable,
 };
 
-/// How frames become morph targets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Bake {
-    /// The fewest targets that keep the tolerance; at present one a frame.
-    #[default]
-    Auto,
-    /// One target a frame, exact.
-    Frames,
-}
-
-/// How to bake.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Default [`Bake::Auto`].
-    pub bake: Bake,
-    /// The most targets that a mesh may have, its own and ours; where its own are as many already, the most of ours. Default 240: with 256 or more a mesh is not drawn on
-    /// part of the phones, or refused.
-    pub max_targets: usize,
-    /// Where the clip goes. Default a new one of the name `wirework`, or of the first free one of `wirework_2`, …
-    pub clip: Option<Clip>,
-    /// A clip of the document all of whose channels a *new* clip gets besides, so that a viewer that plays only the new one shows
-    /// the whole motion: for frames that were taken while it played. Default none.
-    pub source: Option<usize>,
-    /// What the names of targets start with; the number of the frame follows. Letters, digits, `-` and `_`; whatever
-    /// else there is becomes `_`, for engines treat `:`, `/` and `.` in names as their own. Default `wirework`.
-    pub prefix: String,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { bake: Bake::Auto, max_targets: 240, clip: None, source: None, prefix: "wirework".to_owned() }
-    }
-}
-
-/// The name of the warning that a mesh has too many targets of its own.
-pub const CROWDED: &str = "own-targets";
-
-impl Settings {
-    /// The meshes that `rest` shows of which as many targets are their own as may be at all: a message for each.
-    pub fn crowded(&self, gltf: &Gltf, rest: &Rest) -> Vec<String> {
-        let meshes: BTreeSet<usize> = rest.parts.iter().map(|part| part.mesh).collect();
-        let own = meshes.into_iter().map(|mesh| (mesh, gltf.target_count(mesh)));
-        let crowded = own.filter(|&(_, own)| own > 0 && own >= self.max_targets);
-        let most = self.max_targets;
-        crowded
-            .map(|(mesh, own)| {
-                format!(
-                    "mesh {mesh} has {own} morph targets of its own, {most} are allowed: only new ones are counted"
-                )
-            })
-            .collect()
-    }
-}
+use crate::settings::{CROWDED, Settings};
 
 /// Why frames cannot be baked.
 #[derive(Clone, Debug, PartialEq, Error)]

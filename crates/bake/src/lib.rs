@@ -4,10 +4,15 @@
 //! once, so that no more is kept than what the file will hold. [`Baker::finish`] then adds targets, weights and clip
 //! to the document.
 //!
+//! Over an input that is animated already, each frame starts from what a clip shows then: [`Baker::push_from`] takes that moment,
+//! and the new clip takes the channels of the other one along.
+//!
 //! One target a frame is exact, and as large as the motion is long; frames that are equal share a target, and a frame
 //! that equals the rest has none. Key poses and bases are other ways to the same clip and have their place in
 //! [`Bake`].
 
 mod frames;
+mod settings;
 
-pub use frames::{Bake, BakeError, Baked, Baker, CROWDED, Settings};
+pub use frames::{BakeError, Baked, Baker};
+pub use settings::{Bake, CROWDED, Settings};
