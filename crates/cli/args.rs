@@ -214,7 +214,7 @@ pub(crate) struct Check {
 
 #[derive(Debug, Args)]
 pub(crate) struct New {
-    /// `deform`, `wrinkle` or `stitch`; `ik` is not available in this version
+    /// `deform`, `wrinkle`, `stitch` or `ik`
     pub(crate) effect: String,
 }
 

@@ -82,11 +82,11 @@ impl Film<'_> {
         let mut vertices = [Vertices::of_scene(&rest, point_of)?.with_tangents(&rest, who)?];
         self.shade += start.elapsed();
         if still {
-            self.play(&mut vertices, |_, seconds, vertices, evaluation| {
+            self.play(&mut vertices, |_, _, vertices, evaluation| {
                 let [vertices] = vertices else { return Ok(()) };
                 let mut now = &rest;
                 if let (Some((moment, _)), Some(posing)) = (evaluation.moment(), evaluation.posing()) {
-                    gltf.pose_nodes(posing.player())?;
+                    gltf.pose_nodes(&posing.player().node_poses())?;
                     now = moment;
                 }
                 let stuck =
