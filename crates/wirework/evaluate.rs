@@ -263,7 +263,7 @@ impl<'a> Evaluation<'a> {
     /// The stage from which on points are as the clip poses them.
     fn posed_from(&self) -> Option<usize> {
         self.posing.as_ref()?;
-        self.stages.iter().position(Stage::is_posed)
+        self.stages.iter().position(Stage::hangs_on_nodes)
     }
 
     /// The model without effects, and its points, at the moment that was last worked out; none where points are not posed by a clip.

@@ -18,8 +18,6 @@ pub(crate) struct Reach {
     /// The nodes of its joints, from the root to the tip; none of a chain that stands in the preset.
     nodes: Vec<usize>,
     target: Target,
-    /// Whether its joints have moved since that was asked last.
-    moved: bool,
 }
 
 /// What a limb reaches for.
@@ -82,14 +80,8 @@ impl Reach {
         let joints = places(&self.nodes, place);
         if !self.now.joints().map(|joint| joint.map(|c| c as f32)).eq(joints.iter().copied()) {
             self.now = self.rest.moved(&joints)?;
-            self.moved = true;
         }
         Ok(())
-    }
-
-    /// Whether its joints have moved since the last time that this was asked.
-    pub(crate) fn has_moved(&mut self) -> bool {
-        std::mem::take(&mut self.moved)
     }
 }
 
@@ -160,7 +152,7 @@ pub(crate) fn limbs(
                 Target::Node(node, place(node).unwrap_or_default())
             }
         };
-        Ok(Some(Reach { now: rest.clone(), rest, nodes, target, moved: false }))
+        Ok(Some(Reach { now: rest.clone(), rest, nodes, target }))
     };
     effects.iter().map(reach).collect()
 }
@@ -186,7 +178,7 @@ pub(crate) fn bare_limbs(
         let rest =
             Limb::new(&joints, &limb.ik).map_err(|error| EvaluateError::Limb { effect: index, error })?;
         let target = Target::Point(track);
-        Ok(Some(Reach { now: rest.clone(), rest, nodes: Vec::new(), target, moved: false }))
+        Ok(Some(Reach { now: rest.clone(), rest, nodes: Vec::new(), target }))
     };
     effects.iter().enumerate().map(reach).collect()
 }

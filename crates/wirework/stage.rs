@@ -30,6 +30,8 @@ pub(crate) struct Stage {
     creases: Option<Creases>,
     seams: Option<Part>,
     reach: Option<Reach>,
+    /// Whether it is a limb that a clip poses together with what it moves: that keeps to the feet of the rest.
+    is_posed: bool,
     /// What each crease, or the wire along each edge, may move.
     near: Vec<Near>,
     /// Whether a clip, or the effects before over all their time, have told how the surface is compressed.
@@ -96,6 +98,7 @@ impl Stage {
             near: seams.as_ref().map_or_else(Vec::new, |part| part.seams.near().to_vec()),
             seams,
             reach,
+            is_posed: false,
             told: false,
             fineness: if effect.refine { Fineness::Wanted } else { Fineness::AsItIs },
             coarse: None,
@@ -115,12 +118,14 @@ impl Stage {
         triangles: &[[u32; 3]],
         spent: &mut Spent,
     ) -> Result<(), EvaluateError> {
+        if self.is_posed {
+            return self.carry(seconds, base, spent);
+        }
         let same = |(a, b): (&[f32; 3], &[f32; 3])| bits(*a) == bits(*b);
         let settled =
             self.on_rest || (self.bound_to.len() == base.len() && self.bound_to.iter().zip(base).all(same));
         let first = self.binding.is_none();
-        let moved = self.reach.as_mut().is_some_and(Reach::has_moved);
-        let there = settled && !first && !moved;
+        let there = settled && !first;
         if there && !self.creases.as_ref().is_some_and(Creases::moves) {
             return Ok(());
         }
@@ -133,6 +138,18 @@ impl Stage {
         self.hear(rest, base, first);
         self.bound_to.clear();
         self.bound_to.extend_from_slice(base);
+        Ok(())
+    }
+
+    /// Takes a limb along with the model that a clip poses, to a moment.
+    fn carry(&mut self, seconds: f64, base: &[[f32; 3]], spent: &mut Spent) -> Result<(), EvaluateError> {
+        let start = Instant::now();
+        self.move_wires(seconds);
+        if let Some(binding) = &mut self.binding {
+            let fail = |error| EvaluateError::Bind { effect: self.index, error };
+            binding.carry(&self.wires, base).map_err(fail)?;
+        }
+        spent.bind += start.elapsed();
         Ok(())
     }
 
@@ -285,14 +302,14 @@ impl Stage {
         self.reach.as_ref()
     }
 
-    /// Whether it is a limb that a clip poses together with what it moves.
-    pub(crate) fn is_posed(&self) -> bool {
+    /// Whether it is a limb of joints that a clip may move.
+    pub(crate) fn hangs_on_nodes(&self) -> bool {
         self.reach.as_ref().is_some_and(|reach| !reach.nodes().is_empty())
     }
 
     /// Notes that it works on what a clip poses.
     pub(crate) fn leave_rest(&mut self) {
-        self.on_rest = false;
+        (self.on_rest, self.is_posed) = (false, self.hangs_on_nodes());
     }
 
     /// Takes up where the nodes are that a limb looks at.

@@ -142,6 +142,24 @@ impl Binding {
         Ok(())
     }
 
+    /// Takes along what was bound: points and references have moved together, as a skin moves them, to `points` and to the references of
+    /// `wires`. Every point keeps its feet and its influences, those it was bound with, wherever it is nearest to now. Wires keep the
+    /// kind and the number of their control points; what else changed of them counts as in [`Binding::deform_into`].
+    pub fn carry(&mut self, wires: &[Wire], points: &[[f32; 3]]) -> Result<(), BindError> {
+        check(wires)?;
+        if wires.len() != self.wires.len() {
+            return Err(BindError::WireCount { bound: self.wires.len(), found: wires.len() });
+        }
+        if points.len() != self.tiles.count {
+            return Err(BindError::PointCount { bound: self.tiles.count, found: points.len() });
+        }
+        self.tiles = Tiles::new(points);
+        for (bound, wire) in self.wires.iter_mut().zip(wires) {
+            bound.carry(&wire.reference);
+        }
+        Ok(())
+    }
+
     /// Number of points bound.
     pub fn point_count(&self) -> usize {
         self.tiles.count

@@ -12,7 +12,7 @@ use crate::runs::{Bound, Runs};
 use crate::search::{Found, Sought};
 use crate::spans::Spans;
 use crate::tiles::Tiles;
-use crate::{Bounded, Closest, Domain, Wire};
+use crate::{Bounded, Closest, Curve, Domain, Wire};
 
 /// Stands for a reach that nothing was sought in yet.
 pub(crate) const UNBOUND: f32 = -1.0;
@@ -45,11 +45,10 @@ impl BoundWire {
     /// The wire prepared; its feet are still to be found.
     pub(crate) fn new(wire: &Wire, mask: Option<Arc<KeptMask>>) -> Self {
         let spans = Spans::new(&wire.reference);
-        let width = if let Closest::Blended(width) = wire.closest { f64::from(width) } else { 0.0 };
         let domain = |d: &Domain| DomainCurve::new(&d.curve, d.bounds == Bounded::Influence);
         Self {
             lengths: ArcLength::new(&spans),
-            pieces: Pieces::new(&spans, width),
+            pieces: Pieces::new(&spans, width(wire)),
             cells: Cells::new(wire, &spans),
             domains: wire.domains.iter().map(domain).collect(),
             wire: wire.clone(),
@@ -62,6 +61,21 @@ impl BoundWire {
             frame: Frame::default(),
             spans,
         }
+    }
+
+    /// Takes another reference of the same kind for the one that points were bound to. Another kind of curve is left to be bound anew.
+    pub(crate) fn carry(&mut self, reference: &Curve) {
+        let own = &self.wire.reference;
+        let alike = own.kind() == reference.kind()
+            && own.closed() == reference.closed()
+            && own.points().len() == reference.points().len();
+        if !alike || own == reference {
+            return;
+        }
+        self.spans = Spans::new(reference);
+        self.lengths = ArcLength::new(&self.spans);
+        self.pieces = Pieces::new(&self.spans, width(&self.wire));
+        self.wire.reference.clone_from(reference);
     }
 
     /// Finds the feet of all points up to `reach`, and makes runs of them; in a group that is left to the binding.
@@ -92,6 +106,11 @@ impl BoundWire {
             mask: self.mask.as_deref(),
         }
     }
+}
+
+/// How much farther than the least feet may be that count.
+fn width(wire: &Wire) -> f64 {
+    if let Closest::Blended(width) = wire.closest { f64::from(width) } else { 0.0 }
 }
 
 /// Whether two wires have the same feet for all points, and the same standing to domain curves.

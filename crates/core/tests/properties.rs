@@ -312,3 +312,43 @@ fn transport_does_not_step_where_tangents_pass_each_other() {
     assert!(jump(Bend::Transport) < 0.03, "{}", jump(Bend::Transport));
     assert!(jump(Bend::Tangent) > 0.3, "Tangent steps here, or this shows nothing");
 }
+
+#[test]
+fn what_is_carried_keeps_its_feet() {
+    // A bent wire, points on both sides of its medial axis; all of it turned and moved is the same deformation turned and moved.
+    let turn = |p: [f32; 3]| [2.0 - p[1], 1.0 + p[0], p[2] - 3.0];
+    let curve = |f: &dyn Fn([f32; 3]) -> [f32; 3]| {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.2, 1.0, 0.1]];
+        Curve::bspline(2, points.map(f).to_vec()).unwrap()
+    };
+    let points: Vec<[f32; 3]> = (0..4000)
+        .map(|i| [(i % 20) as f32 * 0.07, (i / 20 % 20) as f32 * 0.07, (i / 400) as f32 * 0.03])
+        .collect();
+    let lifted = |p: [f32; 3]| [p[0], p[1] * 1.3, p[2] + 0.4 * p[0]];
+    let mut wires = [Wire { radius: 0.6, ..Wire::new(curve(&|p| p)) }];
+    let mut binding = Binding::new(&wires, &points).unwrap();
+    wires[0].pose = wires[0].pose.iter().map(|p| lifted(*p)).collect();
+    let mut rest = points.clone();
+    binding.deform_into(&wires, &Blend::default(), &mut rest).unwrap();
+
+    let carried: Vec<[f32; 3]> = points.iter().map(|p| turn(*p)).collect();
+    wires[0].pose = wires[0].pose.iter().map(|p| turn(*p)).collect();
+    wires[0].reference = curve(&turn);
+    binding.carry(&wires, &carried).unwrap();
+    let mut out = carried.clone();
+    binding.deform_into(&wires, &Blend::default(), &mut out).unwrap();
+    let far = |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f32::max);
+    assert!(out.iter().zip(&rest).all(|(now, rest)| far(now, &turn(*rest)) < 1e-5));
+
+    // Straightened, a point is moved as its own foot is, not as the curve that is nearest to it now.
+    let straight: Vec<[f32; 3]> = (0..4).map(|i| [i as f32, 0.0, 0.0]).collect();
+    wires[0] = Wire { radius: 0.6, ..Wire::new(Curve::bspline(2, straight).unwrap()) };
+    let end = [0.2, 1.05, 0.1];
+    let mut alone = Binding::new(&[Wire { radius: 0.6, ..Wire::new(curve(&|p| p)) }], &[end]).unwrap();
+    // It has been carried to the root.
+    alone.carry(&wires, &[[0.0, 0.05, 0.0]]).unwrap();
+    wires[0].pose[3][1] += 1.0;
+    let mut out = [[0.0; 3]];
+    alone.deform_into(&wires, &Blend::default(), &mut out).unwrap();
+    assert!(out[0][1] > 0.8, "{out:?}");
+}
