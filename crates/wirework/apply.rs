@@ -45,6 +45,8 @@ pub struct Job<'a> {
     pub max_frames: u32,
     /// How frames become morph targets. Default [`Bake::Auto`].
     pub bake: Bake,
+    /// With [`Bake::Skin`], joints on each bone between those of the chain. Default 0.
+    pub joints: usize,
     /// The most morph targets a mesh may have, its own counted. Default 240.
     pub max_targets: usize,
     /// The clip of the input that an effect looks at which depends on one. Default the first.
@@ -74,6 +76,7 @@ impl<'a> Job<'a> {
             when: When::All,
             max_frames: 100_000,
             bake: Bake::Auto,
+            joints: 0,
             max_targets: Settings::default().max_targets,
             clip: None,
             into: None,
@@ -144,6 +147,11 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     motion.sense_before(job.preset.duration)?;
     let mut film = Film { motion, schedule, shade: Duration::ZERO, write: Duration::ZERO, progress };
     let product = match (target, model) {
+        (Target::Gltf(format), model)
+            if job.bake == Bake::Skin && matches!(film.schedule, Schedule::Frames { .. }) =>
+        {
+            film.skeleton(job, format, Scene::new(model, point_of, &job.limits)?, clip)?
+        }
         (Target::Gltf(format), model) => {
             film.gltf(job, format, Scene::new(model, point_of, &job.limits)?, clip)?
         }
@@ -152,7 +160,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     };
     report.warnings.extend(product.warnings);
     report.warnings.extend(source.effect_warnings(&film.motion.evaluation));
-    report.clip = product.clip;
+    (report.clip, report.skeleton) = (product.clip, product.skeleton);
     if job.strict && !report.warnings.is_empty() {
         return Err(JobError::Strict(report.warnings));
     }

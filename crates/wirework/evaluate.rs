@@ -287,6 +287,13 @@ impl<'a> Evaluation<'a> {
         self.limbs().any(Reach::watches)
     }
 
+    /// The limb that is all there is, its wire at the moment that was last worked out, and what multiplies its influence at each point; none
+    /// where there are other effects.
+    pub(crate) fn lone_limb(&self) -> Option<(&Reach, &Wire, Option<&[f32]>)> {
+        let [stage] = self.stages.as_slice() else { return None };
+        Some((stage.reach()?, stage.wires.first()?, stage.factors()))
+    }
+
     /// The limbs among the effects.
     pub(crate) fn limbs(&self) -> impl Iterator<Item = &Reach> {
         self.stages.iter().filter_map(Stage::reach)

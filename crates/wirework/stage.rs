@@ -297,6 +297,11 @@ impl Stage {
         Ok(())
     }
 
+    /// What multiplies the effect as a whole, a factor for each point.
+    pub(crate) fn factors(&self) -> Option<&[f32]> {
+        self.masks.of_effect()
+    }
+
     /// The limb, where it is one.
     pub(crate) fn reach(&self) -> Option<&Reach> {
         self.reach.as_ref()
