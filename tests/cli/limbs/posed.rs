@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::apart;
 use super::made::{ARM, SECONDS, TARGET, figure, middle, played, ring, shoulder, target, trunk};
+use crate::document::{Document, list};
 use crate::place::Place;
 use crate::wrinkles::vertices;
 
@@ -108,6 +109,31 @@ fn a_shoulder_is_between_what_moves_and_what_does_not() {
     }
 }
 
+/// All that morph targets and weights of a document may move, as one number.
+fn most(glb: &Document) -> f64 {
+    let primitives = list(&glb.json, "meshes").iter().flat_map(|mesh| list(mesh, "primitives"));
+    let targets = primitives.flat_map(|primitive| list(primitive, "targets"));
+    let deltas = targets.filter_map(|target| target.get("POSITION")).flat_map(|p| glb.elements(p).concat());
+    deltas.map(f64::abs).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_goal_that_is_the_hand_itself_changes_nothing() {
+    let place = place();
+    for fields in
+        ["elasticity: 0", "elasticity: 0.6, pole: (0, 9, 3)", "elasticity: 1, curve: Chain, scale_by: Local"]
+    {
+        for more in ["--bake frames", "", "--into swing"] {
+            applied(&place, &arm("Node(\"hand\")", fields), more);
+            let found = most(&Document::open(&place.path("out.glb")));
+            assert!(found == 0.0, "{fields} {more}: {found}");
+        }
+    }
+    // What does move is seen so.
+    applied(&place, &arm("Node(\"target\")", ""), "--bake frames");
+    assert!(most(&Document::open(&place.path("out.glb"))) > 0.1);
+}
+
 #[test]
 fn stills_and_sequences_show_the_clip_and_the_effect() {
     let place = place();
@@ -166,6 +192,7 @@ fn without_a_clip_joints_and_goals_are_where_they_rest() {
     assert!(hand.distance(TARGET[0]) < FRAMES, "{hand}");
     let rest = place.untouched("still.glb", 0.0);
     assert!(trunk().iter().all(|&v| now[v] == rest[v]));
+    assert!(apart(&place.of(&arm("Node(\"hand\")", ""), "still.glb", 0.0), &rest) == 0.0);
     // The clip says how long it lasts, and which it is can be said.
     place.write("arm.ron", preset);
     let told = place.run("apply arm.ron figure.glb --dry-run --fps 10").expect(0).err();
