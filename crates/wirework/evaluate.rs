@@ -103,8 +103,8 @@ pub enum EvaluateError {
         error: IkError,
     },
     /// The clip that poses what effects work on is malformed.
-    #[error(transparent)]
-    Clip(#[from] AssetError),
+    #[error("{0}")]
+    Clip(Box<AssetError>),
     /// An effect counts in parts of an object that has no size.
     #[error(
         "effect {effect}: `units: Bounds` needs an object with an extent; all points of this one are at one place"
@@ -129,6 +129,12 @@ pub enum EvaluateError {
         /// Length of the buffer.
         found: usize,
     },
+}
+
+impl From<AssetError> for EvaluateError {
+    fn from(error: AssetError) -> Self {
+        Self::Clip(Box::new(error))
+    }
 }
 
 impl EvaluateError {
@@ -160,14 +166,12 @@ impl<'a> Evaluation<'a> {
     ) -> Result<Self, EvaluateError> {
         let scoped =
             |effect: &Effect| EffectMasks::wanted(effect) || matches!(effect.action, Action::Stitch(_));
-        match effects.iter().position(scoped) {
-            Some(effect) => Err(EvaluateError::Scoped { effect }),
-            None => {
-                let bounds = Bounds::of(points);
-                let fit = Fit { limbs: bare_limbs(effects, bounds)?, ..Fit::default() };
-                Self::fitted(effects, fit, points, triangles, bounds)
-            }
+        if let Some(effect) = effects.iter().position(scoped) {
+            return Err(EvaluateError::Scoped { effect });
         }
+        let bounds = Bounds::of(points);
+        let fit = Fit { limbs: bare_limbs(effects, bounds)?, ..Fit::default() };
+        Self::fitted(effects, fit, points, triangles, bounds)
     }
 
     /// The same with what effects have of a subject, and with the box that `units: Bounds` are parts of.

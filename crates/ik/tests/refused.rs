@@ -30,7 +30,7 @@ fn chains_without_bones_are_refused() {
     told(("chain", "at least two joints, found 1"), &fault(&[[0.0; 3]], &Ik::default()));
     told(
         ("chain", "joint 1 is at the place of joint 0"),
-        &fault(&[[1.0; 3], [1.0; 3], [2.0; 3]], Ik::default()),
+        &fault(&[[1.0; 3], [1.0; 3], [2.0; 3]], &Ik::default()),
     );
     // As good as one place.
     let near = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1e-7, 0.0]];
