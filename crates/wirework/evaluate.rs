@@ -330,9 +330,10 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Tells each effect the compression that drives it, at equal steps from 0 s on. Without that an effect is driven by what the
-    /// effects before it do.
+    /// effects before it do: so are those behind a limb, which compresses more than a clip alone.
     pub(crate) fn record(&mut self, step: f64, readings: Vec<Vec<Vec<f32>>>) {
-        for (effect, readings) in readings.into_iter().enumerate() {
+        let limb = self.stages.iter().find(|stage| stage.reach().is_some()).map(|stage| stage.index);
+        for (effect, readings) in readings.into_iter().enumerate().take(limb.unwrap_or(usize::MAX)) {
             self.record_one(effect, step, readings);
         }
     }
