@@ -127,7 +127,8 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     let target = target(job, &expected(job)?)?;
     let source = job.source();
     guard_reports(job, source.files())?;
-    let Prepared { subject, effects, fit, clip, schedule, sought, mut report } = prepare(job, &source)?;
+    let Prepared { subject, effects, fit, clip, seconds, schedule, sought, mut report } =
+        prepare(job, &source)?;
     let (basis, model, point_of) = Basis::of(subject);
     guard_reports(job, parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())))?;
     let mut motion = basis.bind(&effects, fit)?;
@@ -144,7 +145,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     if let (Some(clip), Some((gltf, rest, point_of))) = (clip, &played) {
         motion.evaluation.pose_by(Posing::new((gltf, rest), clip, (motion.points, point_of))?);
     }
-    motion.sense_before(job.preset.duration)?;
+    motion.sense_before(seconds)?;
     let mut film = Film { motion, schedule, shade: Duration::ZERO, write: Duration::ZERO, progress };
     let product = match (target, model) {
         (Target::Gltf(format), model)
@@ -189,6 +190,8 @@ struct Prepared {
     fit: Fit,
     /// The clip that drives effects.
     clip: Option<usize>,
+    /// How long they last.
+    seconds: f64,
     schedule: Schedule,
     /// The time that it took to look where the subject is compressed.
     sought: Duration,
@@ -224,7 +227,7 @@ fn prepare(job: &Job<'_>, source: &Source<'_>) -> Result<Prepared, JobError> {
     };
     report.warnings.extend(unfound);
     report.warnings.extend(refinement.warnings);
-    Ok(Prepared { subject, effects, fit, clip, schedule, sought, report })
+    Ok(Prepared { subject, effects, fit, clip, seconds: length.seconds, schedule, sought, report })
 }
 
 /// Writes the files, unless it is a dry run.
