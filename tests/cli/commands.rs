@@ -54,8 +54,8 @@ fn what_new_prints_is_good_and_runs() {
         assert_eq!(checked.err(), "<stdin>: ok\n");
         place.run_with(["apply", "-", "-o", "out.glb"], printed.out().as_bytes()).expect(0);
     }
-    let err = place.run("new ik").err();
-    assert!(err.contains("not available in this version") && err.contains("deform"), "{err}");
+    let err = place.run("new limb").expect(2).err();
+    assert!(err.contains("no effect `limb`") && err.contains("`deform`") && err.contains("`ik`"), "{err}");
 }
 
 #[test]

@@ -88,7 +88,7 @@ fn every_failure_has_its_exit_code() {
         (2, "apply lift.ron bad.obj -o out.glb --report ./bad.obj"),
         (2, "apply lift.ron -o out.glb --clip nonsense"),
         (2, "apply lift.ron -o out.obj --at 0 --clip nonsense"),
-        (2, "new ik"),
+        (2, "new limb"),
         (2, "new wrinkel"),
         (2, "check"),
         (2, "completions tcsh"),
