@@ -4,7 +4,7 @@ use std::path::Path;
 
 use wirework::asset::{OutputFile, check_output, printable, write_files};
 use wirework::preset::{Action, Effect};
-use wirework::{Fault, FinerMesh, Job, JobError, Report, When, bake};
+use wirework::{Fault, FinerMesh, Job, JobError, Report, Skeleton, When, bake};
 
 use crate::args::{Apply, Bake};
 use crate::console::{Console, print};
@@ -31,6 +31,7 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
             (None, None) => When::All,
         },
         bake,
+        joints: usize::from(args.joints),
         max_targets: args.max_targets,
         clip: args.clip.as_deref(),
         into: Some(args.into.as_str()).filter(|into| *into != "new"),
@@ -56,9 +57,10 @@ fn bake(asked: Bake) -> Result<bake::Bake, Failure> {
         Bake::Frames => return Ok(bake::Bake::Frames),
         Bake::Keys => "keys",
         Bake::Basis => "basis",
-        Bake::Skin => "skin",
+        Bake::Skin => return Ok(bake::Bake::Skin),
     };
-    let message = format!("`--bake {name}` is not available in this version; there are `auto` and `frames`");
+    let message =
+        format!("`--bake {name}` is not available in this version; there are `auto`, `frames` and `skin`");
     Err(Failure::new(Fault::Request, message))
 }
 
@@ -88,6 +90,14 @@ fn tell(console: Console, args: &Apply, effects: &[Effect], report: &Report) -> 
     for FinerMesh { name, before, after } in &report.refined {
         let place = finer_where(effects);
         console.note(&format!("mesh {}: {before} vertices are {after} {place}", printable(name)));
+    }
+    if let Some(skeleton) = &report.skeleton {
+        let Skeleton { joints, made, residual, residual_of_diagonal, seconds, .. } = skeleton;
+        let of_them = if *made > 0 { format!(", {made} of them made for it") } else { String::new() };
+        console.note(&format!(
+            "a skeleton plays it: {joints} joints{of_them}; at most {residual:.2e} m, {residual_of_diagonal:.1e} of the diagonal, off the \
+             effect itself, at {seconds:.2} s"
+        ));
     }
     let what = match (&args.output, args.dry_run) {
         (Some(path), false) => format!("wrote {}", printable(&path.display().to_string())),

@@ -87,16 +87,19 @@ pub(crate) struct Apply {
     /// A still of this moment instead of an animation
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) at: Option<f64>,
-    /// How frames become morph targets
+    /// How frames become what a file plays
     #[arg(long, value_enum, default_value_t = Bake::Auto)]
     pub(crate) bake: Bake,
+    /// With `--bake skin`, for a limb whose joints stand in the preset: more joints on each bone
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=64))]
+    pub(crate) joints: u16,
     /// How far played positions may be off, in parts of the diagonal. In this version every frame is exact
     #[arg(long, default_value_t = 1e-4, value_name = "T", value_parser = positive)]
     pub(crate) tolerance: f64,
     /// The most morph targets a mesh may have, its own counted
     #[arg(long, default_value_t = 240, value_name = "N")]
     pub(crate) max_targets: usize,
-    /// The clip of the input that drives effects with `drive: Strain`. Default: the first
+    /// The clip of the input that drives effects with `drive: Strain`, and poses limbs of its skin. Default: the first
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
     /// Add the effect to a clip of the input, by name or number, so that viewers play both; `new` makes a new clip
@@ -132,7 +135,7 @@ pub(crate) enum Bake {
     Basis,
     /// One target a frame
     Frames,
-    /// Joint tracks; not available in this version
+    /// Tracks of joints, for a preset of one limb: what a skeleton can do of it
     Skin,
 }
 

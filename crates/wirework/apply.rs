@@ -45,6 +45,8 @@ pub struct Job<'a> {
     pub max_frames: u32,
     /// How frames become morph targets. Default [`Bake::Auto`].
     pub bake: Bake,
+    /// With [`Bake::Skin`], joints on each bone between those of the chain. Default 0.
+    pub joints: usize,
     /// The most morph targets a mesh may have, its own counted. Default 240.
     pub max_targets: usize,
     /// The clip of the input that an effect looks at which depends on one. Default the first.
@@ -74,6 +76,7 @@ impl<'a> Job<'a> {
             when: When::All,
             max_frames: 100_000,
             bake: Bake::Auto,
+            joints: 0,
             max_targets: Settings::default().max_targets,
             clip: None,
             into: None,
@@ -124,7 +127,8 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     let target = target(job, &expected(job)?)?;
     let source = job.source();
     guard_reports(job, source.files())?;
-    let Prepared { subject, effects, fit, clip, schedule, sought, mut report } = prepare(job, &source)?;
+    let Prepared { subject, effects, fit, clip, seconds, schedule, sought, mut report } =
+        prepare(job, &source)?;
     let (basis, model, point_of) = Basis::of(subject);
     guard_reports(job, parts(&model, job.input.map(Path::to_path_buf).or_else(|| source.own_object())))?;
     let mut motion = basis.bind(&effects, fit)?;
@@ -141,9 +145,14 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     if let (Some(clip), Some((gltf, rest, point_of))) = (clip, &played) {
         motion.evaluation.pose_by(Posing::new((gltf, rest), clip, (motion.points, point_of))?);
     }
-    motion.sense_before(job.preset.duration)?;
+    motion.sense_before(seconds)?;
     let mut film = Film { motion, schedule, shade: Duration::ZERO, write: Duration::ZERO, progress };
     let product = match (target, model) {
+        (Target::Gltf(format), model)
+            if job.bake == Bake::Skin && matches!(film.schedule, Schedule::Frames { .. }) =>
+        {
+            film.skeleton(job, format, Scene::new(model, point_of, &job.limits)?, clip)?
+        }
         (Target::Gltf(format), model) => {
             film.gltf(job, format, Scene::new(model, point_of, &job.limits)?, clip)?
         }
@@ -152,7 +161,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     };
     report.warnings.extend(product.warnings);
     report.warnings.extend(source.effect_warnings(&film.motion.evaluation));
-    report.clip = product.clip;
+    (report.clip, report.skeleton) = (product.clip, product.skeleton);
     if job.strict && !report.warnings.is_empty() {
         return Err(JobError::Strict(report.warnings));
     }
@@ -181,6 +190,8 @@ struct Prepared {
     fit: Fit,
     /// The clip that drives effects.
     clip: Option<usize>,
+    /// How long they last.
+    seconds: f64,
     schedule: Schedule,
     /// The time that it took to look where the subject is compressed.
     sought: Duration,
@@ -216,7 +227,7 @@ fn prepare(job: &Job<'_>, source: &Source<'_>) -> Result<Prepared, JobError> {
     };
     report.warnings.extend(unfound);
     report.warnings.extend(refinement.warnings);
-    Ok(Prepared { subject, effects, fit, clip, schedule, sought, report })
+    Ok(Prepared { subject, effects, fit, clip, seconds: length.seconds, schedule, sought, report })
 }
 
 /// Writes the files, unless it is a dry run.

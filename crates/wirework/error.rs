@@ -205,11 +205,11 @@ pub(crate) fn of_evaluation(error: &EvaluateError) -> Fault {
                 | WrinkleError::NoArea,
             ..
         }
-        | EvaluateError::NoExtent { .. } => Fault::Asset,
+        | EvaluateError::NoExtent { .. }
+        // It is a clip that poses it.
+        | EvaluateError::Limb { .. } => Fault::Asset,
         EvaluateError::Bind { error: BindError::TooManyPoints(_), .. } => Fault::Limit,
         EvaluateError::Clip(error) => of_asset(error),
-        // It is a clip that poses it.
-        EvaluateError::Limb { .. } => Fault::Asset,
         EvaluateError::PointCount { .. } | EvaluateError::Scoped { .. } => Fault::Work,
         _ => Fault::Preset,
     }

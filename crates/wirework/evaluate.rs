@@ -103,8 +103,8 @@ pub enum EvaluateError {
         error: IkError,
     },
     /// The clip that poses what effects work on is malformed.
-    #[error(transparent)]
-    Clip(#[from] AssetError),
+    #[error("{0}")]
+    Clip(Box<AssetError>),
     /// An effect counts in parts of an object that has no size.
     #[error(
         "effect {effect}: `units: Bounds` needs an object with an extent; all points of this one are at one place"
@@ -129,6 +129,12 @@ pub enum EvaluateError {
         /// Length of the buffer.
         found: usize,
     },
+}
+
+impl From<AssetError> for EvaluateError {
+    fn from(error: AssetError) -> Self {
+        Self::Clip(Box::new(error))
+    }
 }
 
 impl EvaluateError {
@@ -160,14 +166,12 @@ impl<'a> Evaluation<'a> {
     ) -> Result<Self, EvaluateError> {
         let scoped =
             |effect: &Effect| EffectMasks::wanted(effect) || matches!(effect.action, Action::Stitch(_));
-        match effects.iter().position(scoped) {
-            Some(effect) => Err(EvaluateError::Scoped { effect }),
-            None => {
-                let bounds = Bounds::of(points);
-                let fit = Fit { limbs: bare_limbs(effects, bounds)?, ..Fit::default() };
-                Self::fitted(effects, fit, points, triangles, bounds)
-            }
+        if let Some(effect) = effects.iter().position(scoped) {
+            return Err(EvaluateError::Scoped { effect });
         }
+        let bounds = Bounds::of(points);
+        let fit = Fit { limbs: bare_limbs(effects, bounds)?, ..Fit::default() };
+        Self::fitted(effects, fit, points, triangles, bounds)
     }
 
     /// The same with what effects have of a subject, and with the box that `units: Bounds` are parts of.
@@ -287,6 +291,13 @@ impl<'a> Evaluation<'a> {
         self.limbs().any(Reach::watches)
     }
 
+    /// The limb that is all there is, its wire at the moment that was last worked out, and what multiplies its influence at each point; none
+    /// where there are other effects.
+    pub(crate) fn lone_limb(&self) -> Option<(&Reach, &Wire, Option<&[f32]>)> {
+        let [stage] = self.stages.as_slice() else { return None };
+        Some((stage.reach()?, stage.wires.first()?, stage.factors()))
+    }
+
     /// The limbs among the effects.
     pub(crate) fn limbs(&self) -> impl Iterator<Item = &Reach> {
         self.stages.iter().filter_map(Stage::reach)
@@ -319,9 +330,10 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Tells each effect the compression that drives it, at equal steps from 0 s on. Without that an effect is driven by what the
-    /// effects before it do.
+    /// effects before it do: so are those behind a limb, which compresses more than a clip alone.
     pub(crate) fn record(&mut self, step: f64, readings: Vec<Vec<Vec<f32>>>) {
-        for (effect, readings) in readings.into_iter().enumerate() {
+        let limb = self.stages.iter().find(|stage| stage.reach().is_some()).map(|stage| stage.index);
+        for (effect, readings) in readings.into_iter().enumerate().take(limb.unwrap_or(usize::MAX)) {
             self.record_one(effect, step, readings);
         }
     }

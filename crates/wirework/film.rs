@@ -17,7 +17,7 @@ use crate::output::{Pattern, Scene, scene_mesh};
 use crate::parts::MeshPart;
 use crate::shade::{Follow, Vertices, own_normals};
 use crate::subject::Model;
-use crate::{Evaluation, Job, JobError, NewClip, Progress, Schedule};
+use crate::{Evaluation, Job, JobError, NewClip, Progress, Schedule, Skeleton};
 
 /// What came out.
 #[derive(Default)]
@@ -26,6 +26,7 @@ pub(crate) struct Product {
     pub(crate) warnings: Vec<String>,
     /// The clip that was added.
     pub(crate) clip: Option<NewClip>,
+    pub(crate) skeleton: Option<Skeleton>,
 }
 
 /// An effect on its way through time.
@@ -39,7 +40,7 @@ pub(crate) struct Film<'a> {
 
 impl Film<'_> {
     /// Works out every moment, lets `vertices` follow, and hands each to `take`: frame, time and vertices.
-    fn play(
+    pub(crate) fn play(
         &mut self,
         vertices: &mut [Vertices],
         mut take: impl FnMut(u32, f64, &[Vertices], &Evaluation<'_>) -> Result<(), JobError>,
@@ -126,7 +127,7 @@ impl Film<'_> {
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
-        Ok(Product { files, warnings, clip })
+        Ok(Product { files, warnings, clip, skeleton: None })
     }
 
     /// Files of a scene or a mesh. A scene is as `clip` poses it, where that drives the effect; else at rest.
@@ -217,7 +218,7 @@ impl<'a> Posed<'a> {
 }
 
 /// The clip that stands behind the `known` ones, if there is one.
-fn new_clip(gltf: &Gltf, known: usize) -> Option<NewClip> {
+pub(crate) fn new_clip(gltf: &Gltf, known: usize) -> Option<NewClip> {
     let name = gltf.clip_names().get(known)?.unwrap_or_default().to_owned();
     let clips = gltf.json().get("animations")?.as_array()?;
     let weights = |channel: &Value| channel.pointer("/target/path").is_some_and(|path| path == "weights");

@@ -119,6 +119,7 @@
 //! [`schedule`] which times, [`apply`] and [`picture`] all of it. Nothing here prints.
 
 mod apply;
+mod bones;
 mod decode;
 mod error;
 mod evaluate;
@@ -153,6 +154,7 @@ mod weld;
 pub use wirework_asset as asset;
 pub use wirework_bake as bake;
 pub use wirework_core as core;
+pub use wirework_ik as ik;
 pub use wirework_preset as preset;
 pub use wirework_render as render;
 pub use wirework_stitch as stitch;
@@ -177,6 +179,6 @@ pub use picture::{PictureJob, PictureReport, Shown, Viewpoint, picture};
 pub use pieces::{Pieces, SubjectPiece};
 pub use preset_file::{PresetFile, PresetFileError, parse_preset, read_preset};
 pub use refine::{FinerMesh, Refinement};
-pub use report::{NewClip, Report};
+pub use report::{NewClip, Report, Skeleton};
 pub use schedule::{Schedule, ScheduleError, When, schedule};
 pub use subject::{FileKind, Model, Subject};

@@ -59,6 +59,11 @@ impl Reach {
         self.now.bone_frames(&self.pose(seconds), wire)
     }
 
+    /// The limb at rest.
+    pub(crate) fn rest(&self) -> &Limb {
+        &self.rest
+    }
+
     /// The nodes of its joints, from the root to the tip; none of a chain that stands in the preset.
     pub(crate) fn nodes(&self) -> &[usize] {
         &self.nodes

@@ -49,7 +49,7 @@ fn written(subject: Subject, preset: &Preset, when: &When) -> Gltf {
     let mut film = Film { motion, schedule, shade, write, progress: &mut |_| {} };
     let path = Path::new("preset.ron");
     let scene = Scene::new(model, point_of, &limits).unwrap();
-    let product = film.gltf(&Job::new(preset, path), Format::Glb, scene).unwrap();
+    let product = film.gltf(&Job::new(preset, path), Format::Glb, scene, None).unwrap();
     let bytes = product.files.last().unwrap().bytes();
     Gltf::from_slice(&bytes, "written", &limits).unwrap()
 }

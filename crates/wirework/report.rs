@@ -30,6 +30,8 @@ pub struct Report {
     pub peak_bytes: u64,
     /// The clip that the animation was added as; none for a still, an OBJ, or where a clip of the input takes the effect.
     pub clip: Option<NewClip>,
+    /// The skeleton that plays the effect, where joints do.
+    pub skeleton: Option<Skeleton>,
     /// The meshes that were subdivided, as effects with `refine: Auto` ask for.
     pub refined: Vec<FinerMesh>,
     /// What was repaired, passed over, or is hardly meant.
@@ -46,6 +48,22 @@ pub struct NewClip {
     pub name: String,
     /// The clips before it that could take the effect: those that move no weights of their own.
     pub could_join: Vec<usize>,
+}
+
+/// A skeleton that plays an effect, and how well.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Skeleton {
+    /// Joints that move.
+    pub joints: usize,
+    /// How many of them were made for it.
+    pub made: usize,
+    /// How far a vertex is at most from where the effect itself has it, metres, over all frames.
+    pub residual: f64,
+    /// The same as a part of the model's diagonal.
+    pub residual_of_diagonal: f64,
+    /// When that is, seconds.
+    pub seconds: f64,
 }
 
 impl Report {

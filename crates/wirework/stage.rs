@@ -20,8 +20,7 @@ use crate::{EvaluateError, Spent};
 pub(crate) struct Stage {
     /// Which effect it is, or a part of.
     pub(crate) index: usize,
-    /// Whether it works on the rest, which never changes.
-    on_rest: bool,
+    base: Base,
     /// What it does, in metres.
     action: Action,
     blend: Blend,
@@ -30,8 +29,6 @@ pub(crate) struct Stage {
     creases: Option<Creases>,
     seams: Option<Part>,
     reach: Option<Reach>,
-    /// Whether it is a limb that a clip poses together with what it moves: that keeps to the feet of the rest.
-    is_posed: bool,
     /// What each crease, or the wire along each edge, may move.
     near: Vec<Near>,
     /// Whether a clip, or the effects before over all their time, have told how the surface is compressed.
@@ -46,6 +43,17 @@ pub(crate) struct Stage {
     bound_to: Vec<[f32; 3]>,
     /// Whether it has reached a point at any time that was asked for.
     pub(crate) reached: bool,
+}
+
+/// What a stage works on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Base {
+    /// The rest, which never changes.
+    Rest,
+    /// What the effects before it make of that, or a clip.
+    Result,
+    /// What a clip poses together with the joints of a limb: that keeps to the feet of the rest.
+    Posed,
 }
 
 /// Whether its surface is made finer where it needs that.
@@ -89,7 +97,7 @@ impl Stage {
         let ffd = |lattice: Lattice| Ffd { lattice, binding: None, controls: Vec::new() };
         Self {
             index,
-            on_rest,
+            base: if on_rest { Base::Rest } else { Base::Result },
             action,
             blend,
             masks,
@@ -98,7 +106,6 @@ impl Stage {
             near: seams.as_ref().map_or_else(Vec::new, |part| part.seams.near().to_vec()),
             seams,
             reach,
-            is_posed: false,
             told: false,
             fineness: if effect.refine { Fineness::Wanted } else { Fineness::AsItIs },
             coarse: None,
@@ -107,6 +114,10 @@ impl Stage {
             bound_to: Vec::new(),
             reached: false,
         }
+    }
+
+    fn on_rest(&self) -> bool {
+        self.base == Base::Rest
     }
 
     /// Binds the effect to `base`, what it works on at `seconds`, where the points were at `rest` before all effects; does nothing where
@@ -118,12 +129,12 @@ impl Stage {
         triangles: &[[u32; 3]],
         spent: &mut Spent,
     ) -> Result<(), EvaluateError> {
-        if self.is_posed {
+        if self.base == Base::Posed {
             return self.carry(seconds, base, spent);
         }
         let same = |(a, b): (&[f32; 3], &[f32; 3])| bits(*a) == bits(*b);
         let settled =
-            self.on_rest || (self.bound_to.len() == base.len() && self.bound_to.iter().zip(base).all(same));
+            self.on_rest() || (self.bound_to.len() == base.len() && self.bound_to.iter().zip(base).all(same));
         let first = self.binding.is_none();
         let there = settled && !first;
         if there && !self.creases.as_ref().is_some_and(Creases::moves) {
@@ -132,7 +143,7 @@ impl Stage {
         let start = Instant::now();
         self.bind(seconds, base, triangles, there)?;
         spent.bind += start.elapsed();
-        if there || self.on_rest {
+        if there || self.on_rest() {
             return Ok(());
         }
         self.hear(rest, base, first);
@@ -204,7 +215,8 @@ impl Stage {
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
     ) -> Result<(), EvaluateError> {
-        if let Some(Part { seams, piece_of, .. }) = self.seams.as_mut().filter(|_| !self.on_rest) {
+        let on_rest = self.on_rest();
+        if let Some(Part { seams, piece_of, .. }) = self.seams.as_mut().filter(|_| !on_rest) {
             let surfaces = Surfaces { positions, triangles, piece_of, sides: &[] };
             match seams.renewed(&surfaces) {
                 Ok(now) => *seams = now,
@@ -223,7 +235,7 @@ impl Stage {
             none => none.insert(creases(&surface, wrinkle).map_err(fail)?),
         };
         if !laid || seconds != 0.0 {
-            creases.at(seconds, (!laid && !self.on_rest).then_some(&surface)).map_err(fail)?;
+            creases.at(seconds, (!laid && !on_rest).then_some(&surface)).map_err(fail)?;
         }
         if laid || creases.moves() {
             self.near = creases.near();
@@ -297,6 +309,11 @@ impl Stage {
         Ok(())
     }
 
+    /// What multiplies the effect as a whole, a factor for each point.
+    pub(crate) fn factors(&self) -> Option<&[f32]> {
+        self.masks.of_effect()
+    }
+
     /// The limb, where it is one.
     pub(crate) fn reach(&self) -> Option<&Reach> {
         self.reach.as_ref()
@@ -309,7 +326,7 @@ impl Stage {
 
     /// Notes that it works on what a clip poses.
     pub(crate) fn leave_rest(&mut self) {
-        (self.on_rest, self.is_posed) = (false, self.hangs_on_nodes());
+        self.base = if self.hangs_on_nodes() { Base::Posed } else { Base::Result };
     }
 
     /// Takes up where the nodes are that a limb looks at.
@@ -331,7 +348,7 @@ impl Stage {
 
     /// Whether it is driven by what nothing tells it.
     pub(crate) fn is_unmoved(&self) -> bool {
-        self.is_driven() && !self.told && self.on_rest
+        self.is_driven() && !self.told && self.on_rest()
     }
 
     /// The greatest compression that it was told of, and when, where that raises nothing.
@@ -385,7 +402,7 @@ impl Stage {
 
     /// Whether it is driven by the effects before it, and has not been told of all moments.
     pub(crate) fn listens(&self) -> bool {
-        !self.on_rest && self.is_driven() && !self.told
+        !self.on_rest() && self.is_driven() && !self.told
     }
 
     /// The lattice's control points along each axis, and where they are.

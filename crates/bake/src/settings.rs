@@ -13,6 +13,9 @@ pub enum Bake {
     Auto,
     /// One target a frame, exact.
     Frames,
+    /// Tracks of joints, for what a skeleton can do: a [`BoneBaker`](crate::BoneBaker) writes them, and a [`Baker`](crate::Baker) takes
+    /// this as [`Bake::Auto`].
+    Skin,
 }
 
 /// How to bake.

@@ -342,7 +342,7 @@ fn what_is_carried_keeps_its_feet() {
 
     // Straightened, a point is moved as its own foot is, not as the curve that is nearest to it now.
     let straight: Vec<[f32; 3]> = (0..4).map(|i| [i as f32, 0.0, 0.0]).collect();
-    wires[0] = Wire { radius: 0.6, ..Wire::new(Curve::bspline(2, straight).unwrap()) };
+    wires[0] = Wire { radius: 0.6, rotation: 0.0, ..Wire::new(Curve::bspline(2, straight).unwrap()) };
     let end = [0.2, 1.05, 0.1];
     let mut alone = Binding::new(&[Wire { radius: 0.6, ..Wire::new(curve(&|p| p)) }], &[end]).unwrap();
     // It has been carried to the root.

@@ -178,13 +178,13 @@ impl Ik {
     }
 
     fn check_points(&self, bones: usize) -> Result<(), IkError> {
-        let finite = |field, track: &Keyed<[f32; 3]>| {
+        let finite = |field, index, track: &Keyed<[f32; 3]>| {
             let mut coordinates = track.values().flatten();
             coordinates.find(|c| !c.is_finite()).map_or(Ok(()), |&found| {
-                Err(IkError::Value { field, index: None, expected: "a finite point", found })
+                Err(IkError::Value { field, index, expected: "a finite point", found })
             })
         };
-        self.pole.iter().try_for_each(|pole| finite("pole", pole))?;
+        self.pole.iter().try_for_each(|pole| finite("pole", None, pole))?;
         for (index, pin) in self.pins.iter().enumerate() {
             let joint = pin.joint;
             if joint >= bones {
@@ -193,7 +193,7 @@ impl Ik {
             if self.pins[..index].iter().any(|earlier| earlier.joint == joint) {
                 return Err(IkError::Pinned { pin: index, joint });
             }
-            finite("pins", &pin.point)?;
+            finite("pins", Some(index), &pin.point)?;
         }
         Ok(())
     }

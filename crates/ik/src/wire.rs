@@ -213,6 +213,21 @@ impl Limb {
         }
     }
 
+    /// Parameters of the curve at the joints, and at `between` points on each bone between two of them, at equal distances: from 0 to 1, rising.
+    pub fn places(&self, between: usize) -> Vec<f64> {
+        let steps = between + 1;
+        let curve = &self.spine.reference;
+        let on_bone = |pair: &[DVec3]| -> Vec<f64> {
+            let place = |i: usize| pair[0].lerp(pair[1], i as f64 / steps as f64).as_vec3().to_array();
+            (0..steps).filter_map(|i| curve.closest(place(i)).map(|foot| f64::from(foot.u))).collect()
+        };
+        let mut all: Vec<f64> = self.joints.windows(2).flat_map(on_bone).skip(1).collect();
+        all.retain(|u| *u > 0.0 && *u < 1.0);
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        [0.0].into_iter().chain(all).chain([1.0]).collect()
+    }
+
     /// What becomes of each bone, and of what hangs on the tip, where `wire` is [in this pose](Limb::wire_into): for those who animate
     /// bones. One for each joint.
     pub fn bone_frames(&self, pose: &Pose, wire: &Wire) -> Vec<BoneFrame> {

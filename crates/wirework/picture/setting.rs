@@ -143,7 +143,8 @@ impl Setting {
             motion.evaluation.pose_by(Posing::new((&self.gltf, &self.rest), clip, points)?);
         }
         if let (Some(motion), Some(preset)) = (&mut motion, job.preset()) {
-            motion.sense_before(preset.duration)?;
+            let clip = motion.evaluation.posing().map_or(0.0, |posing| posing.player().duration());
+            motion.sense_before(preset.duration.max(clip))?;
         }
         Show::new(self, motion, clip, job, self.warnings.clone())
     }

@@ -42,8 +42,10 @@ impl<'a> Show<'a> {
         }
         let doubts = player.iter().flat_map(Player::warnings).filter(|doubt| !gltf.tells_of(doubt));
         warnings.extend(doubts.map(|doubt| format!("{}: {doubt}", printable(gltf.file()))));
+        // Wires of limbs go with the clip.
+        let posed = motion.as_ref().is_some_and(|motion| motion.evaluation.is_posed());
         let moves = player.as_ref().is_some_and(Player::moves);
-        warnings.extend(idle(job, motion.is_some(), moves).into_iter().map(str::to_owned));
+        warnings.extend(idle(job, motion.is_some(), (moves, posed)).into_iter().map(str::to_owned));
         let (positions, normals) = (rest.positions.clone(), Vec::new());
         Ok(Self { setting, motion, player, vertices, drawn, positions, normals, warnings })
     }
@@ -142,11 +144,11 @@ impl<'a> Show<'a> {
 }
 
 /// What is asked for and shows nothing.
-fn idle(job: &PictureJob<'_>, effect: bool, clip: bool) -> Vec<&'static str> {
+fn idle(job: &PictureJob<'_>, effect: bool, (clip, posed): (bool, bool)) -> Vec<&'static str> {
     let cases = [
         (job.wires && !effect, "a model alone has no wires to be drawn [no-wires]"),
         (
-            job.wires && effect && clip,
+            job.wires && effect && clip && !posed,
             "wires are drawn where they lie at rest, from where the clip moves the model away [rest-wires]",
         ),
         (
