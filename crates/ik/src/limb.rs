@@ -205,8 +205,11 @@ impl Limb {
             let give = stiffness.iter().map(|k| 1.0 - k).fold(0.0, f64::max);
             let part = elasticity * give;
             let mut rigid = if part < 1.0 { run.rigid(rigid_base, *goal, pole) } else { Vec::new() };
-            let mut elastic =
-                if part > 0.0 { run.elastic(elastic_base, *goal, pole, shares, stretch) } else { Vec::new() };
+            let mut elastic = if part > 0.0 {
+                run.elastic(elastic_base, *goal, pole, (shares, stiffness), stretch)
+            } else {
+                Vec::new()
+            };
             if !limits.is_empty() {
                 let cones = |before| Cones { rest: &run.bones, angles: limits, before };
                 let end: DVec3 = rigid.iter().sum();
@@ -221,12 +224,7 @@ impl Limb {
             let mut bones = match (rigid.is_empty(), elastic.is_empty()) {
                 (false, true) => rigid,
                 (true, _) => elastic,
-                _ => {
-                    let mut bones: Vec<DVec3> =
-                        rigid.iter().zip(&elastic).map(|(r, e)| r.lerp(*e, part)).collect();
-                    stiffen(&mut bones, &run.lengths, &elastic, part, (shares, stiffness));
-                    bones
-                }
+                _ => rigid.iter().zip(&elastic).map(|(r, e)| r.lerp(*e, part)).collect(),
             };
             if !limits.is_empty() {
                 // A mean of what keeps within cones need not.
@@ -239,30 +237,6 @@ impl Limb {
         }
         all
     }
-}
-
-/// Gives stiff bones the lengths that they have between rigid and elastic, which a mean of two directions shortens; soft ones take up
-/// what that moves the end by.
-fn stiffen(
-    bones: &mut [DVec3],
-    lengths: &[f64],
-    elastic: &[DVec3],
-    part: f64,
-    (shares, stiffness): (&[f64], &[f64]),
-) {
-    if stiffness.iter().all(|k| *k == 0.0) {
-        return;
-    }
-    let before: DVec3 = bones.iter().sum();
-    for (i, bone) in bones.iter_mut().enumerate() {
-        let (own, k) = (bone.length(), stiffness[i]);
-        let kept = lengths[i] + part * (1.0 - k) * (elastic[i].length() - lengths[i]);
-        if own > 0.0 {
-            *bone *= (own + k * (kept - own)) / own;
-        }
-    }
-    let off = before - bones.iter().sum::<DVec3>();
-    bones.iter_mut().zip(shares).for_each(|(bone, share)| *bone += off * *share);
 }
 
 fn check_joints(joints: &[DVec3]) -> Result<(), IkError> {

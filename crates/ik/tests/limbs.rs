@@ -320,7 +320,7 @@ fn joints_keep_within_their_cones_and_still_reach() {
         let goal = DVec3::new(a.cos() + b.cos() + c.cos(), a.sin() + b.sin() + c.sin(), 0.0);
         let tip = joints(&limb.pose(goal.to_array(), 0.0))[3];
         // Rubber is as long as the straight way, and what turns aside comes short.
-        let short = if elasticity == 0.0 { 1e-3 } else { 1e-2 };
+        let short = if elasticity == 0.0 { 1e-3 } else { 2e-2 };
         assert!(tip.distance(goal) < short * 3.0, "{elasticity}: {tip} {goal}");
     }
 }
