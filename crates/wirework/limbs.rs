@@ -77,7 +77,7 @@ impl Reach {
     /// Takes up where nodes are.
     pub(crate) fn follow(&mut self, place: impl Fn(usize) -> Option<[f64; 3]>) -> Result<(), IkError> {
         if let Target::Node(node, at) = &mut self.target {
-            *at = place(*node).unwrap_or(*at);
+            *at = place(*node).map_or(*at, as_kept);
         }
         if self.nodes.is_empty() {
             return Ok(());
@@ -93,6 +93,11 @@ impl Reach {
 /// Where nodes are, as joints are kept.
 fn places(nodes: &[usize], place: impl Fn(usize) -> Option<[f64; 3]>) -> Vec<[f32; 3]> {
     nodes.iter().map(|&node| place(node).unwrap_or_default().map(|c| c as f32)).collect()
+}
+
+/// A place as precise as joints are kept: a goal on the tip is where the tip is, to the bit.
+fn as_kept(place: [f64; 3]) -> [f64; 3] {
+    place.map(|c| f64::from(c as f32))
 }
 
 /// The limbs of `effects`, none where one is no limb; goals on curves get there in `duration` seconds.
@@ -154,7 +159,7 @@ pub(crate) fn limbs(
             Goal::Curve(curve) => Target::Curve(curve, duration),
             Goal::Node(_) => {
                 let node = goal.unwrap_or_default();
-                Target::Node(node, place(node).unwrap_or_default())
+                Target::Node(node, place(node).map_or([0.0; 3], as_kept))
             }
         };
         Ok(Some(Reach { now: rest.clone(), rest, nodes, target }))

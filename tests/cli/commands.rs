@@ -47,7 +47,7 @@ fn every_preset_runs_as_it_stands() {
 #[test]
 fn what_new_prints_is_good_and_runs() {
     let place = Place::new();
-    for effect in ["deform", "wrinkle", "stitch", "Wrinkle"] {
+    for effect in ["deform", "wrinkle", "stitch", "ik", "Wrinkle"] {
         let printed = place.run(&format!("new {effect}")).expect(0);
         assert_eq!(printed.err(), "");
         let checked = place.run_with(["check", "-", "--strict"], printed.out().as_bytes()).expect(0);

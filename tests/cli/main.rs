@@ -10,6 +10,7 @@ mod exit_codes;
 mod faults;
 mod hostile;
 mod inspect;
+mod limbs;
 mod made_files;
 mod masks;
 mod morphs;

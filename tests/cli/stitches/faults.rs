@@ -5,12 +5,12 @@ use crate::place::Place;
 
 /// Applies a preset in which what is at fault stands between « and », and looks for the caret there.
 #[track_caller]
-fn refused(marked: &str, words: &[&str]) {
+pub(crate) fn refused(marked: &str, words: &[&str]) {
     refused_on(&Place::new(), marked, "", words);
 }
 
 #[track_caller]
-fn refused_on(place: &Place, marked: &str, input: &str, words: &[&str]) {
+pub(crate) fn refused_on(place: &Place, marked: &str, input: &str, words: &[&str]) {
     let (before, after) = marked.split_once('«').expect("a mark");
     let (fault, behind) = after.split_once('»').expect("its end");
     let line = before.matches('\n').count() + 1;

@@ -1,7 +1,7 @@
 //! Stitches from outside: where seams lie, where they open, what follows them, and what cannot be sewn.
 
 mod corners;
-mod faults;
+pub(crate) mod faults;
 mod meshes;
 mod objects;
 mod played;
