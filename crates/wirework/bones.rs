@@ -1,21 +1,22 @@
 //! A limb as a skeleton: tracks of joints, which any engine plays, in the place of morph targets.
 //!
 //! Where the chain is one of the model's own, its joints are taken to where the limb has them: each turned and stretched as the middle of
-//! its bone is. A chain that stands in the preset gets joints made for it, on the curve of the limb, between which vertices hang by
-//! arc length; `F` below 1 leaves the rest of a vertex to a joint that stays. Either way what an engine then shows is compared with
-//! the effect itself, at every frame.
+//! its bone is; bones that bend get joints between theirs. A chain that stands in the preset gets joints made for it ([`rig`]). Either way
+//! what an engine then shows is compared with the effect itself, at every frame.
+
+mod rig;
 
 use std::path::Path;
 use std::time::Instant;
 
 use glam::{DMat3, DQuat, DVec3};
-use rayon::prelude::*;
-use wirework_asset::{Clip, Format, Gltf, NewJoint, NewSkin, Rest};
-use wirework_bake::{BoneBaker, World};
-use wirework_core::{Foot, Station};
-use wirework_ik::{BoneFrame, Influence, Limb};
+use wirework_asset::{Clip, Format, Gltf, Rest};
+use wirework_bake::{Bone, BoneBaker, World};
+use wirework_core::{Station, Wire};
+use wirework_ik::BoneFrame;
 
 use crate::film::{Film, Product, find_clip, new_clip};
+use crate::limbs::Reach;
 use crate::output::Scene;
 use crate::shade::Vertices;
 use crate::{Job, JobError, Progress, Skeleton};
@@ -23,20 +24,33 @@ use crate::{Job, JobError, Progress, Skeleton};
 /// Nothing above a joint.
 const WORLD: World = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
 
-/// On how many joints a vertex of a made skeleton hangs: the two between which it lies, and the one that stays.
-const EACH: usize = 3;
-
-/// Influences this near to 1 are 1.
-const WHOLE: f32 = 1e-6;
-
 /// A model whose joints a limb moves.
 struct Rigged {
     gltf: Gltf,
     rest: Rest,
-    /// From the root on, each the parent of the next.
-    nodes: Vec<usize>,
-    /// Parameters of the limb's curve where the joints are, of those that were made for it.
-    made: Option<Vec<f64>>,
+    joints: Vec<Joint>,
+    /// How many were made for it.
+    made: usize,
+}
+
+/// A joint that a limb takes along.
+#[derive(Clone, Copy, Debug)]
+struct Joint {
+    node: usize,
+    /// The joint that it hangs on, one before it.
+    parent: Option<usize>,
+    by: By,
+}
+
+/// How a limb takes a joint along.
+#[derive(Clone, Copy, Debug)]
+enum By {
+    /// It lies on the limb's curve, at this parameter, and has the axes of the world at rest.
+    Curve(f64),
+    /// It goes where the limb has its bone of this number.
+    Bone(usize),
+    /// It lies at `step` from the node `own`, and goes where the limb's curve takes what is at the parameter `u`.
+    Near { own: usize, step: DVec3, u: f64 },
 }
 
 impl Film<'_> {
@@ -53,9 +67,9 @@ impl Film<'_> {
         let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
         let start = Instant::now();
         let mut rigged = self.rigged(job, gltf, rest, &point_of)?;
-        let mut baker = BoneBaker::new(&rigged.nodes);
-        let root = rigged.nodes.first().copied().unwrap_or_default();
-        let above = rigged.gltf.parent(root).filter(|_| rigged.made.is_none());
+        let bone = |joint: &Joint| Bone { node: joint.node, parent: joint.parent };
+        let mut baker = BoneBaker::new(&rigged.joints.iter().map(bone).collect::<Vec<_>>());
+        let outside = rigged.joints.first().and_then(|root| rigged.gltf.parent(root.node));
         let still = rigged.gltf.player(&rigged.rest, None)?;
         for (_, seconds) in self.schedule.moments() {
             self.motion.at(seconds)?;
@@ -63,15 +77,8 @@ impl Film<'_> {
             let Some((reach, wire, _)) = evaluation.lone_limb() else { return Err(not_alone()) };
             let player = evaluation.posing().map_or(&still, |posing| posing.player());
             let world = |node: usize| player.node_transform(node).unwrap_or(WORLD);
-            let joints: Vec<World> = match &rigged.made {
-                Some(places) => wire.stations(places).iter().map(at_station).collect(),
-                None => {
-                    let frames = reach.bone_frames(seconds, wire);
-                    let moved = |(node, frame): (&usize, &BoneFrame)| taken(&world(*node), frame);
-                    rigged.nodes.iter().zip(&frames).map(moved).collect()
-                }
-            };
-            baker.push(seconds, &above.map_or(WORLD, world), &joints)?;
+            let joints = places(&rigged.joints, (reach, wire), seconds, world);
+            baker.push(seconds, &outside.map_or(WORLD, world), &joints)?;
         }
         drop(still);
         let posed = self.motion.evaluation.is_posed();
@@ -92,15 +99,10 @@ impl Film<'_> {
     /// The model with the joints of the limb: its own, or made for it.
     fn rigged(&self, job: &Job<'_>, gltf: Gltf, rest: Rest, point_of: &[u32]) -> Result<Rigged, JobError> {
         let Some((reach, _, factors)) = self.motion.evaluation.lone_limb() else { return Err(not_alone()) };
-        if !reach.nodes().is_empty() {
-            if job.joints > 0 {
-                return Err(JobError::Request(
-                    "the chain is the model's own: `--joints` is for one that is made".to_owned(),
-                ));
-            }
-            return Ok(Rigged { gltf, rest, nodes: reach.nodes().to_vec(), made: None });
+        if reach.nodes().is_empty() {
+            return rig::make(gltf, &rest, reach.rest(), (factors, point_of), job.joints);
         }
-        make(gltf, &rest, reach.rest(), (factors, point_of), job.joints)
+        rig::split(gltf, rest, reach, job.joints)
     }
 
     /// How far what an engine plays is from the effect itself.
@@ -110,12 +112,11 @@ impl Film<'_> {
         clip: Option<usize>,
         point_of: &[u32],
     ) -> Result<Skeleton, JobError> {
-        let Rigged { gltf, rest, nodes, made } = rigged;
+        let Rigged { gltf, rest, joints, made } = rigged;
         let mut player = gltf.player(rest, clip)?;
         let mut vertices = Vertices::new(rest.positions.clone(), point_of.to_vec());
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
-        let mut out =
-            Skeleton { joints: nodes.len(), made: made.as_ref().map_or(0, Vec::len), ..Skeleton::default() };
+        let mut out = Skeleton { joints: joints.len(), made: *made, ..Skeleton::default() };
         let frames = self.schedule.count();
         for (done, (_, seconds)) in self.schedule.moments().enumerate() {
             self.motion.at(seconds)?;
@@ -145,104 +146,56 @@ fn not_alone() -> JobError {
     )
 }
 
-/// Where a joint is to be that a limb takes along.
+/// Where joints are to be at a time, to which `wire` has been brought; `world` is where nodes are then without the limb.
+fn places(
+    joints: &[Joint],
+    (reach, wire): (&Reach, &Wire),
+    seconds: f64,
+    world: impl Fn(usize) -> World,
+) -> Vec<World> {
+    let frames = reach.bone_frames(seconds, wire);
+    let u = |joint: &Joint| match joint.by {
+        By::Curve(u) | By::Near { u, .. } => u,
+        By::Bone(_) => 0.0,
+    };
+    let stations = wire.stations(&joints.iter().map(u).collect::<Vec<_>>());
+    let place = |(joint, station): (&Joint, &Station)| match joint.by {
+        By::Curve(_) => on_curve(station),
+        By::Bone(bone) => frames.get(bone).map_or(WORLD, |frame| taken(&world(joint.node), frame)),
+        By::Near { own, step, .. } => near(&world(own), step, station),
+    };
+    joints.iter().zip(&stations).map(place).collect()
+}
+
+/// Where a joint is to be that a bone of a limb takes along.
 fn taken(joint: &World, frame: &BoneFrame) -> World {
-    let [x, y, z, at] = joint.map(DVec3::from_array);
     let along = DVec3::from_array(frame.along);
     let outer = DMat3::from_cols(along * along.x, along * along.y, along * along.z);
     let stretch = DMat3::from_diagonal(DVec3::splat(frame.scale)) + outer * (frame.stretch - frame.scale);
     let map = DMat3::from_quat(DQuat::from_array(frame.rotation)) * stretch;
-    let to = DVec3::from_array(frame.to) + map * (at - DVec3::from_array(frame.from));
+    moved(joint, map, frame.from, frame.to)
+}
+
+/// Where a joint on the curve of a limb is to be, which at rest has the axes of the world.
+fn on_curve(station: &Station) -> World {
+    moved(&WORLD, turned(station), [0.0; 3], station.to)
+}
+
+/// Where what lies at `step` from a joint is to be. It is scaled along the curve as across it: between joints that agree in that, how far
+/// the curve stretches is in their distances alone, and nothing is sheared.
+fn near(joint: &World, step: DVec3, station: &Station) -> World {
+    let [x, y, z, at] = joint.map(DVec3::from_array);
+    let at = at + DMat3::from_cols(x, y, z) * step;
+    moved(&[joint[0], joint[1], joint[2], at.to_array()], turned(station), station.from, station.to)
+}
+
+fn turned(station: &Station) -> DMat3 {
+    DMat3::from_quat(DQuat::from_array(station.rotation)) * station.scale
+}
+
+/// A transform, taken along by a map about `from` that comes to be at `to`.
+fn moved(joint: &World, map: DMat3, from: [f64; 3], to: [f64; 3]) -> World {
+    let [x, y, z, at] = joint.map(DVec3::from_array);
+    let to = DVec3::from_array(to) + map * (at - DVec3::from_array(from));
     [map * x, map * y, map * z, to].map(|column| column.to_array())
-}
-
-/// A joint on the curve of a limb, which at rest has the axes of the world.
-fn at_station(station: &Station) -> World {
-    let map = DMat3::from_quat(DQuat::from_array(station.rotation)) * station.scale;
-    [map.x_axis.to_array(), map.y_axis.to_array(), map.z_axis.to_array(), station.to]
-}
-
-/// Makes joints on the curve of a limb, `between` of them on each bone, and hangs all that is shown on them.
-fn make(
-    mut gltf: Gltf,
-    rest: &Rest,
-    limb: &Limb,
-    (factors, point_of): (Option<&[f32]>, &[u32]),
-    between: usize,
-) -> Result<Rigged, JobError> {
-    let mut shown: Vec<usize> = rest.blocks.iter().map(|block| block.node).collect();
-    shown.dedup();
-    let places = limb.places(between);
-    let curve = &limb.wire().reference;
-    let lengths = curve.lengths(places.iter().copied());
-    let names: Vec<String> = std::iter::once("limb_rest".to_owned())
-        .chain((0..places.len()).map(|i| format!("limb_{i:02}")))
-        .collect();
-    let at: Vec<[f64; 3]> = curve.at(places.iter().copied()).into_iter().map(|(place, _)| place).collect();
-    let feet: Vec<Option<Foot>> =
-        rest.positions.par_iter().map(|position| curve.closest(*position)).collect();
-    let along = curve.lengths(feet.iter().map(|foot| foot.map_or(0.0, |foot| f64::from(foot.u))));
-    let radius = radius(limb);
-    let (mut indices, mut weights) = (Vec::new(), Vec::new());
-    let mut stays = false;
-    for ((foot, along), point) in feet.iter().zip(&along).zip(point_of) {
-        let factor = factors.and_then(|factors| factors.get(*point as usize)).copied().unwrap_or(1.0);
-        let near =
-            radius.map_or(1.0, |radius| density(foot.map_or(f32::INFINITY, |foot| foot.distance) / radius));
-        let (own, by) = hanging(&lengths, *along, factor * near);
-        stays |= by[EACH - 1] > 0.0;
-        indices.extend(own);
-        weights.extend(by);
-    }
-    // Where nothing stays there is no joint for it.
-    let first = usize::from(stays);
-    let joint = |(i, name): (usize, &'_ String)| {
-        let above = if i > 0 { at[i - 1] } else { [0.0; 3] };
-        let step: [f32; 3] = std::array::from_fn(|k| (at[i][k] - above[k]) as f32);
-        (name.clone(), (i > 0).then(|| first + i - 1), step)
-    };
-    let mut joints: Vec<(String, Option<usize>, [f32; 3])> =
-        if stays { vec![(names[0].clone(), None, [0.0; 3])] } else { Vec::new() };
-    joints.extend(names[1..].iter().enumerate().map(joint));
-    let joints: Vec<NewJoint<'_>> = joints
-        .iter()
-        .map(|(name, parent, translation)| NewJoint {
-            name,
-            parent: *parent,
-            translation: *translation,
-            rotation: [0.0, 0.0, 0.0, 1.0],
-            scale: [1.0; 3],
-        })
-        .collect();
-    for (slot, index) in indices.iter_mut().enumerate() {
-        // The last of each vertex is the one that stays.
-        *index = if slot % EACH == EACH - 1 { 0 } else { *index + first as u16 };
-    }
-    let skin = NewSkin { name: "limb", joints: &joints, each: EACH, indices: &indices, weights: &weights };
-    let nodes = gltf.add_skin(rest, &shown, &skin)?;
-    let rest = gltf.rest()?;
-    Ok(Rigged { gltf, rest, nodes: nodes[first..].to_vec(), made: Some(places) })
-}
-
-/// How far a limb reaches.
-fn radius(limb: &Limb) -> Option<f32> {
-    match limb.settings().influence {
-        Influence::Radius(radius) => Some(radius),
-        Influence::All | Influence::SkinWeights => None,
-    }
-}
-
-/// `f` of a limb's wire, the paper's.
-fn density(x: f32) -> f32 {
-    if x < 1.0 { (1.0 - x * x).powi(2) } else { 0.0 }
-}
-
-/// The two joints between which a vertex lies, and one that stays; and its weights. `lengths` are the arc lengths up to the joints, `along`
-/// that up to the vertex's foot.
-fn hanging(lengths: &[f64], along: f64, influence: f32) -> ([u16; EACH], [f32; EACH]) {
-    let before = lengths.partition_point(|length| *length <= along).clamp(1, lengths.len() - 1) - 1;
-    let (a, b) = (lengths[before], lengths[before + 1]);
-    let part = if b > a { ((along - a) / (b - a)).clamp(0.0, 1.0) as f32 } else { 0.0 };
-    let whole = if influence > 1.0 - WHOLE { 1.0 } else { influence };
-    ([before as u16, before as u16 + 1, 0], [whole * (1.0 - part), whole * part, 1.0 - whole])
 }

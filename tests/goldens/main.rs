@@ -138,7 +138,7 @@ fn pages_show_all_presets_and_all_pictures() {
         let shown = format!("tests/pictures/{})", shot.output);
         assert!(text.contains(&shown), "{} does not show {}", shot.page, shot.output);
     }
-    for folder in ["presets/deform", "presets/wrinkle", "presets/stitch"] {
+    for folder in ["presets/deform", "presets/wrinkle", "presets/stitch", "presets/ik"] {
         for entry in fs::read_dir(root().join(folder)).expect("presets") {
             let name = entry.expect("an entry").file_name().into_string().expect("a name");
             let preset = format!("{folder}/{name}");

@@ -164,6 +164,29 @@ impl Gltf {
         Ok(index)
     }
 
+    /// Finds meshes for nodes that need `mesh` changed, nodes that need the same change one together: the mesh itself for the first of
+    /// them where all that show it are among the nodes, copies for all others.
+    pub(crate) fn meshes_for<C: PartialEq>(
+        &mut self,
+        mesh: usize,
+        changes: Vec<(usize, C)>,
+    ) -> Result<Vec<(usize, C)>, AssetError> {
+        let mut original_is_free = changes.len() == self.nodes_of(mesh).len();
+        let mut groups: Vec<(C, Vec<usize>)> = Vec::new();
+        for (node, change) in changes {
+            match groups.iter_mut().find(|(known, _)| *known == change) {
+                Some((_, list)) => list.push(node),
+                None => groups.push((change, vec![node])),
+            }
+        }
+        let mut out = Vec::with_capacity(groups.len());
+        for (change, nodes) in groups {
+            out.push((if original_is_free { mesh } else { self.copy_mesh(mesh, &nodes)? }, change));
+            original_is_free = false;
+        }
+        Ok(out)
+    }
+
     /// All nodes that show `mesh`, in any scene or none.
     pub(crate) fn nodes_of(&self, mesh: usize) -> Vec<usize> {
         let nodes = self.json.get("nodes").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);

@@ -195,6 +195,16 @@ pub(crate) fn affine(
     Ok(DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3)))
 }
 
+/// An affine transform as a 4 × 4 matrix, column by column.
+pub(crate) fn columns(m: &DAffine3) -> [f32; 16] {
+    let column = |v: DVec3, last: f64| v.extend(last).to_array();
+    let [x, y, z] = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|axis| column(axis, 0.0));
+    let columns = [x, y, z, column(m.translation, 1.0)];
+    let mut out = [0.0; 16];
+    out.iter_mut().zip(columns.as_flattened()).for_each(|(slot, &c)| *slot = c as f32);
+    out
+}
+
 /// Sets the parents; a second parent is refused.
 fn link(nodes: &mut [Node], table: Json<'_>) -> Result<(), AssetError> {
     for i in 0..nodes.len() {

@@ -14,6 +14,11 @@ impl Gltf {
         self.list("nodes").iter().position(|above| children(above).any(|child| child == node))
     }
 
+    /// The children of a node, in their order.
+    pub fn children(&self, node: usize) -> Vec<usize> {
+        self.list("nodes").get(node).into_iter().flat_map(children).collect()
+    }
+
     /// The nodes from `root` down to `tip`, both of them included; just the one where they are the same. None where `root` is not
     /// above `tip`, or where one of them does not exist.
     pub fn node_path(&self, root: usize, tip: usize) -> Option<Vec<usize>> {

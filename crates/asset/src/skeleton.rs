@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::document::Gltf;
 use crate::edit::{VERTICES, drop_compressed, whole};
 use crate::error::AssetError;
-use crate::graph::{Graph, unit, walk};
+use crate::graph::{Graph, columns, unit, walk};
 use crate::hang::{Hanging, Vertices};
 use crate::limits::Budget;
 use crate::rest::{Part, Rest};
@@ -182,7 +182,7 @@ impl Gltf {
     }
 
     /// Appends joints and weights: for each set its two accessors.
-    fn append_vertices_of(&mut self, sets: Vec<Vertices>) -> Result<Vec<[usize; 2]>, AssetError> {
+    pub(crate) fn append_vertices_of(&mut self, sets: Vec<Vertices>) -> Result<Vec<[usize; 2]>, AssetError> {
         let mut out = Vec::with_capacity(sets.len());
         for Vertices { joints, component, weights } in sets {
             let view = self.append_view(joints, Some(VERTICES))?;
@@ -197,16 +197,7 @@ impl Gltf {
 
     /// Appends a skin for meshes whose space is at `mesh` in the world.
     fn append_binding(&mut self, name: &str, bones: &Bones, mesh: &DAffine3) -> Result<usize, AssetError> {
-        let bind = |joint: &DAffine3| {
-            let m = joint.inverse() * *mesh;
-            let column = |v: DVec3, last: f64| v.extend(last).to_array();
-            let [x, y, z] =
-                [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|axis| column(axis, 0.0));
-            let columns = [x, y, z, column(m.translation, 1.0)];
-            let mut out = [0.0; 16];
-            out.iter_mut().zip(columns.as_flattened()).for_each(|(slot, &c)| *slot = c as f32);
-            out
-        };
+        let bind = |joint: &DAffine3| columns(&(joint.inverse() * *mesh));
         let matrices: Vec<[f32; 16]> = bones.world.iter().map(bind).collect();
         if matrices.as_flattened().iter().any(|c| !c.is_finite()) {
             return fault("a skin whose matrices overflow", "joints within the range of floats");

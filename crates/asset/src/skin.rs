@@ -22,7 +22,7 @@ pub(crate) struct Skin {
     /// Their nodes.
     pub(crate) joints: Vec<usize>,
     /// Their inverse bind matrices; empty where all are the identity.
-    inverse: Vec<DAffine3>,
+    pub(crate) inverse: Vec<DAffine3>,
 }
 
 impl Skin {
@@ -78,17 +78,17 @@ impl Skin {
 }
 
 /// How the vertices of a primitive hang on the joints of its skin.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Influences {
     /// At least one. A vertex has a weight above 0 in one of them.
-    sets: Vec<Set>,
+    pub(crate) sets: Vec<Set>,
 }
 
 /// Four joints of the skin and their weights for each vertex, as the file has them; those of weight 0 do not count.
-#[derive(Clone, Debug)]
-struct Set {
-    joints: Vec<[u16; 4]>,
-    weights: Vec<[f32; 4]>,
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Set {
+    pub(crate) joints: Vec<[u16; 4]>,
+    pub(crate) weights: Vec<[f32; 4]>,
 }
 
 impl Influences {
@@ -146,6 +146,29 @@ impl Influences {
             joints.map(u32::from).into_iter().zip(weights)
         });
         pairs.filter(|&(_, weight)| weight > 0.0)
+    }
+
+    /// How many places for joints each vertex has.
+    pub(crate) fn slots(&self) -> usize {
+        4 * self.sets.len()
+    }
+
+    /// A joint of a vertex and its weight.
+    pub(crate) fn slot(&self, vertex: usize, slot: usize) -> (u16, f32) {
+        let set = &self.sets[slot / 4];
+        (set.joints[vertex][slot % 4], set.weights[vertex][slot % 4])
+    }
+
+    pub(crate) fn set(&mut self, vertex: usize, slot: usize, (joint, weight): (u16, f32)) {
+        let set = &mut self.sets[slot / 4];
+        set.joints[vertex][slot % 4] = joint;
+        set.weights[vertex][slot % 4] = weight;
+    }
+
+    /// The memory that it takes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let vertices: usize = self.sets.iter().map(|set| set.joints.len()).sum();
+        vertices as u64 * 24
     }
 
     /// The matrix of a vertex, from the matrices of the joints.

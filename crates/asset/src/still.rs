@@ -77,25 +77,9 @@ impl Gltf {
 
     /// Changes a mesh as its nodes need it; nodes that need it otherwise get copies.
     fn change_mesh(&mut self, mesh: usize, nodes: Vec<(usize, Change<'_>)>) -> Result<(), AssetError> {
-        let mut groups: Vec<(Change<'_>, Vec<usize>)> = Vec::new();
-        for (node, change) in nodes {
-            if change.iter().all(Option::is_none) {
-                continue;
-            }
-            match groups.iter_mut().find(|(known, _)| *known == change) {
-                Some((_, list)) => list.push(node),
-                None => groups.push((change, vec![node])),
-            }
-        }
-        let count: usize = groups.iter().map(|(_, nodes)| nodes.len()).sum();
-        let mut original_is_free = count == self.nodes_of(mesh).len();
-        let mut targets = Vec::new();
-        for (_, nodes) in &groups {
-            targets.push(if original_is_free { mesh } else { self.copy_mesh(mesh, nodes)? });
-            original_is_free = false;
-        }
-        for ((change, _), mesh) in groups.iter().zip(targets) {
-            self.change_primitives(mesh, change)?;
+        let moving = nodes.into_iter().filter(|(_, change)| change.iter().any(Option::is_some)).collect();
+        for (mesh, change) in self.meshes_for(mesh, moving)? {
+            self.change_primitives(mesh, &change)?;
         }
         Ok(())
     }

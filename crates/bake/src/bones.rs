@@ -1,4 +1,4 @@
-//! Joints of a chain, frame after frame, as tracks of translation, rotation and scale.
+//! Joints that hang on each other, frame after frame, as tracks of translation, rotation and scale.
 //!
 //! A joint is to be where an affine map takes it, with what hangs on it stretched along a bone and scaled across it; an engine puts it
 //! there by the products of translations, rotations and scales along its own axes from the root on. These make no shear: where a joint's
@@ -16,26 +16,38 @@ pub type World = [[f64; 3]; 4];
 /// Rounds of finding rotation and scale by turns; the error falls by more than half in each.
 const ROUNDS: usize = 24;
 
-/// Takes the joints of a chain frame after frame.
+/// A joint that gets tracks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bone {
+    /// Its node.
+    pub node: usize,
+    /// The joint that it hangs on, one before it in the list; none for one that hangs on what is outside.
+    pub parent: Option<usize>,
+}
+
+/// Takes joints frame after frame.
 #[derive(Clone, Debug)]
 pub struct BoneBaker {
     times: Vec<f32>,
+    bones: Vec<Bone>,
     tracks: Vec<JointTrack>,
 }
 
 impl BoneBaker {
-    /// For joints that hang on each other in this order.
-    pub fn new(nodes: &[usize]) -> Self {
-        let track = |&node: &usize| JointTrack { node, ..JointTrack::default() };
-        Self { times: Vec::new(), tracks: nodes.iter().map(track).collect() }
+    /// For these joints, each behind the one that it hangs on.
+    pub fn new(bones: &[Bone]) -> Self {
+        let track = |bone: &Bone| JointTrack { node: bone.node, ..JointTrack::default() };
+        Self { times: Vec::new(), bones: bones.to_vec(), tracks: bones.iter().map(track).collect() }
     }
 
-    /// Takes the next frame: its time in seconds, where the parent of the first joint is, and where each joint is to be.
+    /// Takes the next frame: its time in seconds, where that is on which joints without a parent in the list hang, and where each joint
+    /// is to be.
     ///
     /// # Errors
     ///
-    /// As many transforms as there are no joints; one without an inverse to start from, or that is not finite; times that do not rise.
-    pub fn push(&mut self, time: f64, parent: &World, joints: &[World]) -> Result<(), BakeError> {
+    /// As many transforms as there are no joints; one without an inverse to start from, or that is not finite; times that do not rise;
+    /// a joint before the one that it hangs on.
+    pub fn push(&mut self, time: f64, outside: &World, joints: &[World]) -> Result<(), BakeError> {
         let frame = self.times.len();
         let fault = |problem| Err(BakeError::Frame { frame, problem });
         if joints.len() != self.tracks.len() {
@@ -45,16 +57,22 @@ impl BoneBaker {
         if !(time.is_finite() && self.times.last().is_none_or(|last| *last < time)) {
             return fault("does not come after the one before it");
         }
-        let mut above = affine(parent);
+        let outside = affine(outside);
+        let mut made: Vec<DAffine3> = Vec::with_capacity(joints.len());
         let mut all = Vec::with_capacity(joints.len());
-        for joint in joints {
+        for (bone, joint) in self.bones.iter().zip(joints) {
+            let above = match bone.parent.map(|parent| made.get(parent)) {
+                None => outside,
+                Some(Some(above)) => *above,
+                Some(None) => return fault("has a joint before the one that it hangs on"),
+            };
             let inverse = above.inverse();
             let local = inverse * affine(joint);
             if !(inverse.is_finite() && local.is_finite()) {
                 return fault("has a joint whose transform has no inverse or is not finite");
             }
             let (rotation, scale) = parts(local.matrix3);
-            above *= DAffine3::from_scale_rotation_translation(scale, rotation, local.translation);
+            made.push(above * DAffine3::from_scale_rotation_translation(scale, rotation, local.translation));
             all.push((local.translation, rotation, scale));
         }
         for (track, (translation, rotation, scale)) in self.tracks.iter_mut().zip(all) {

@@ -17,6 +17,6 @@ mod bones;
 mod frames;
 mod settings;
 
-pub use bones::{BoneBaker, World};
+pub use bones::{Bone, BoneBaker, World};
 pub use frames::{BakeError, Baked, Baker};
 pub use settings::{Bake, CROWDED, Settings};

@@ -60,6 +60,15 @@ impl Cones<'_> {
         outside
     }
 
+    /// The bones turned into their cones, and so that their end is as near to where it was as it can be.
+    pub(crate) fn reached(&self, mut bones: Vec<DVec3>) -> Vec<DVec3> {
+        if !self.angles.is_empty() {
+            let end = bones.iter().sum();
+            self.reach(&mut bones, end);
+        }
+        bones
+    }
+
     /// How the last bone has turned from its rest.
     pub(crate) fn after(&self, bones: &[DVec3]) -> DQuat {
         self.rest.iter().zip(bones).fold(self.before, |frame, (rest, bone)| {

@@ -196,73 +196,27 @@ impl Limb {
             softness: f64::from(self.settings.softness),
         };
         let mut all = Vec::with_capacity(self.joints.len() - 1);
-        let (mut rigid_base, mut elastic_base) = (root, root);
-        let [mut rigid_turn, mut elastic_turn, mut turn] = [DQuat::IDENTITY; 3];
+        let (mut base, mut before) = (root, DQuat::IDENTITY);
         for (run, (last, goal)) in self.runs.iter().zip(held) {
             let own = last - run.bones.len()..*last;
             let limits = self.limits.get(own.clone()).unwrap_or_default();
+            let cones = Cones { rest: &run.bones, angles: limits, before };
             let (shares, stiffness) = (&self.shares[own.clone()], &self.stiffness[own]);
-            let give = stiffness.iter().map(|k| 1.0 - k).fold(0.0, f64::max);
-            let part = elasticity * give;
-            let mut rigid = if part < 1.0 { run.rigid(rigid_base, *goal, pole) } else { Vec::new() };
-            let mut elastic =
-                if part > 0.0 { run.elastic(elastic_base, *goal, pole, shares, stretch) } else { Vec::new() };
-            if !limits.is_empty() {
-                let cones = |before| Cones { rest: &run.bones, angles: limits, before };
-                let end: DVec3 = rigid.iter().sum();
-                cones(rigid_turn).reach(&mut rigid, end);
-                rigid_turn = cones(rigid_turn).after(&rigid);
-                let end: DVec3 = elastic.iter().sum();
-                cones(elastic_turn).reach(&mut elastic, end);
-                elastic_turn = cones(elastic_turn).after(&elastic);
-            }
-            rigid_base += rigid.iter().sum::<DVec3>();
-            elastic_base += elastic.iter().sum::<DVec3>();
-            let mut bones = match (rigid.is_empty(), elastic.is_empty()) {
-                (false, true) => rigid,
-                (true, _) => elastic,
-                _ => {
-                    let mut bones: Vec<DVec3> =
-                        rigid.iter().zip(&elastic).map(|(r, e)| r.lerp(*e, part)).collect();
-                    stiffen(&mut bones, &run.lengths, &elastic, part, (shares, stiffness));
-                    bones
-                }
-            };
-            if !limits.is_empty() {
+            let part = elasticity * stiffness.iter().map(|k| 1.0 - k).fold(0.0, f64::max);
+            let rigid = || cones.reached(run.rigid(base, *goal, pole));
+            let elastic = || cones.reached(run.elastic(base, *goal, pole, (shares, stiffness), stretch));
+            let bones = match part {
+                0.0 => rigid(),
+                1.0 => elastic(),
                 // A mean of what keeps within cones need not.
-                let cones = Cones { rest: &run.bones, angles: limits, before: turn };
-                let end: DVec3 = bones.iter().sum();
-                cones.reach(&mut bones, end);
-                turn = cones.after(&bones);
-            }
+                part => cones.reached(rigid().iter().zip(elastic()).map(|(r, e)| r.lerp(e, part)).collect()),
+            };
+            before = cones.after(&bones);
+            base += bones.iter().sum::<DVec3>();
             all.extend(bones);
         }
         all
     }
-}
-
-/// Gives stiff bones the lengths that they have between rigid and elastic, which a mean of two directions shortens; soft ones take up
-/// what that moves the end by.
-fn stiffen(
-    bones: &mut [DVec3],
-    lengths: &[f64],
-    elastic: &[DVec3],
-    part: f64,
-    (shares, stiffness): (&[f64], &[f64]),
-) {
-    if stiffness.iter().all(|k| *k == 0.0) {
-        return;
-    }
-    let before: DVec3 = bones.iter().sum();
-    for (i, bone) in bones.iter_mut().enumerate() {
-        let (own, k) = (bone.length(), stiffness[i]);
-        let kept = lengths[i] + part * (1.0 - k) * (elastic[i].length() - lengths[i]);
-        if own > 0.0 {
-            *bone *= (own + k * (kept - own)) / own;
-        }
-    }
-    let off = before - bones.iter().sum::<DVec3>();
-    bones.iter_mut().zip(shares).for_each(|(bone, share)| *bone += off * *share);
 }
 
 fn check_joints(joints: &[DVec3]) -> Result<(), IkError> {

@@ -20,6 +20,13 @@ const SCAN: u32 = 8;
 /// altogether: at rest it has not turned it at all.
 const EASED: f64 = 0.1;
 
+/// No bone is squashed to less than this part of its length where it would be turned round.
+const SHORTEST: f64 = 0.01;
+
+/// The bend, as a part of the square of the length, that tells a straight chain to which side it bends: well above [`STRAIGHT`], and
+/// nothing beside a bend that is seen.
+const BEND: f64 = 1e-5;
+
 /// A run of bones at rest.
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
@@ -222,44 +229,78 @@ impl Run {
         if self.is_straight || moved >= 1.0 { angle } else { angle * moved * moved * (3.0 - 2.0 * moved) }
     }
 
-    /// The bones as a rubber band from `base` to `goal`: each takes its share of the motion of the end. Where that is longer than they may be
-    /// they straighten out, where it is shorter they bend, as they do when rigid.
+    /// The bones as a rubber band from `base` to `goal`: each takes its part of the motion of the end, by its length, but for stiff ones: these
+    /// turn as rigid ones do, and the others take up the difference by their shares. Where that makes them longer than
+    /// they may be they straighten out. Where it makes them shorter they stay as short as they may be and bend: as rigid bones that have
+    /// their lengths and their shape then.
     pub(crate) fn elastic(
         &self,
         base: DVec3,
         goal: DVec3,
         pole: Option<DVec3>,
-        shares: &[f64],
+        (shares, stiffness): (&[f64], &[f64]),
         stretch: Stretch,
     ) -> Vec<DVec3> {
         let to = goal - base;
-        let distance = to.length();
-        let reach = stretch.eased(distance, self.total);
-        let to = if reach < distance { to * (reach / distance) } else { to };
-        let pull = to - self.chord;
-        let mut bones: Vec<DVec3> =
-            self.bones.iter().zip(shares).map(|(bone, share)| bone + pull * *share).collect();
-        let length = |bones: &[DVec3]| bones.iter().map(|bone| bone.length()).sum::<f64>();
+        let reach = stretch.eased(to.length(), self.total);
+        let ahead = to.normalize_or(self.direction);
+        let pole = pole.map(|pole| pole - base);
+        let stiff = stiffness.iter().any(|k| *k > 0.0);
+        let sheared = |far: f64| -> Vec<DVec3> {
+            let pull = (ahead * far - self.chord) / self.total;
+            let mut bones: Vec<DVec3> =
+                self.bones.iter().zip(&self.lengths).map(|(b, l)| b + pull * *l).collect();
+            if stiff {
+                let rigid = self.rigid(DVec3::ZERO, ahead * far, pole);
+                for ((bone, rigid), k) in bones.iter_mut().zip(rigid).zip(stiffness) {
+                    *bone = bone.lerp(rigid, *k);
+                }
+                let left = ahead * far - bones.iter().sum::<DVec3>();
+                bones.iter_mut().zip(shares).for_each(|(bone, share)| *bone += left * *share);
+            }
+            bones
+        };
+        let mut far = reach.max(self.span - self.give(shares, stretch));
+        let mut bones = sheared(far);
         let (most, least) = (stretch.most * self.total, stretch.least * self.total);
+        if length(&bones) < least {
+            far = root(|far| length(&sheared(far)) - least, far, far + self.span + least);
+            bones = sheared(far);
+        }
         let own = length(&bones);
         if own > most {
-            let ahead = to.normalize_or(self.direction);
-            let even = |(length, share): (&f64, &f64)| ahead * (length + share * (reach - self.total));
-            let straight: Vec<DVec3> = self.lengths.iter().zip(shares).map(even).collect();
+            let straight: Vec<DVec3> = bones.iter().map(|bone| ahead * (bone.length() * far / own)).collect();
             let between = |part: f64| straight.iter().zip(&bones).map(move |(s, b)| s.lerp(*b, part));
             let part = root(|part| between(part).map(DVec3::length).sum::<f64>() - most, 0.0, 1.0);
             bones = between(part).collect();
-        } else if own < least {
-            let bent = self.rigid(base, base + to, pole);
-            let end: DVec3 = bent.iter().sum();
-            let bends: Vec<DVec3> =
-                bent.iter().zip(shares).map(|(bone, share)| bone - end * *share).collect();
-            let bowed = |part: f64| bones.iter().zip(&bends).map(move |(bone, bend)| bone + bend * part);
-            let part = root(|part| bowed(part).map(DVec3::length).sum::<f64>() - least, 0.0, 1.0);
-            bones = bowed(part).collect();
         }
-        bones
+        if far <= reach {
+            return bones;
+        }
+        let mut joints = vec![DVec3::ZERO];
+        joints.extend(bones.iter().scan(DVec3::ZERO, |joint, bone| {
+            *joint += *bone;
+            Some(*joint)
+        }));
+        // What is straight bends to the side to which the rest does.
+        let bend = self.turn(to, pole) * self.normal * (BEND * self.total * self.total);
+        Run::new(&joints, bend).rigid(DVec3::ZERO, ahead * reach, pole)
     }
+
+    /// By how much the ends may come nearer to each other before the first bone of a straight chain is as short as it may be.
+    fn give(&self, shares: &[f64], stretch: Stretch) -> f64 {
+        let most = 1.0 - stretch.least.max(SHORTEST);
+        self.lengths
+            .iter()
+            .zip(shares)
+            .map(|(length, share)| length * most / share)
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The sum of the lengths of bones.
+fn length(bones: &[DVec3]) -> f64 {
+    bones.iter().map(|bone| bone.length()).sum()
 }
 
 impl Stretch {

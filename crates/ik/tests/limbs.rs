@@ -320,7 +320,7 @@ fn joints_keep_within_their_cones_and_still_reach() {
         let goal = DVec3::new(a.cos() + b.cos() + c.cos(), a.sin() + b.sin() + c.sin(), 0.0);
         let tip = joints(&limb.pose(goal.to_array(), 0.0))[3];
         // Rubber is as long as the straight way, and what turns aside comes short.
-        let short = if elasticity == 0.0 { 1e-3 } else { 1e-2 };
+        let short = if elasticity == 0.0 { 1e-3 } else { 2e-2 };
         assert!(tip.distance(goal) < short * 3.0, "{elasticity}: {tip} {goal}");
     }
 }
@@ -335,6 +335,13 @@ fn pins_hold_joints_and_the_rest_goes_on_from_there() {
         assert!(joints[1].distance(DVec3::new(0.8, 0.6, 0.0)) < 1e-6);
         assert!(joints[3].distance(DVec3::new(1.5, 0.4, 1.0)) < 1e-6);
     }
+    // Stiff behind a pin and soft before it: the stiff part starts where the soft one ends.
+    let pins = vec![pin(1, [1.5, 0.5, 0.0])];
+    let stiffness = vec![0.0, 0.9, 0.9];
+    let pose = limb(&Ik { pins, stiffness, ..elastic(1.0) }).pose([2.5, 1.5, 0.0], 0.0);
+    let joints_now = joints(&pose);
+    assert!(joints_now[1].distance(DVec3::new(1.5, 0.5, 0.0)) < 1e-9);
+    assert!(joints_now[3].distance(DVec3::new(2.5, 1.5, 0.0)) < 1e-9, "{}", joints_now[3]);
     // Held apart from its place, the root takes the limb along.
     let away = limb(&Ik { pins: vec![pin(0, [0.0, 5.0, 0.0])], ..elastic(0.0) }).pose([3.0, 5.0, 0.0], 0.0);
     assert!(joints(&away)[2].distance(DVec3::new(2.0, 5.0, 0.0)) < 1e-9);

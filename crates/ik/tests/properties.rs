@@ -111,12 +111,12 @@ fn steps(frames: &[Vec<DVec3>]) -> Vec<f64> {
     frames.windows(2).map(step).collect()
 }
 
-/// The greatest step of anything in a frame over the median of these: of 1900 random cases half keep below 2, nine of ten below 5, and all
-/// below 25. What is large comes of paths that pass opposite the rest, where the plane of the bend turns with the inverse of the sine.
-const JUMP: f64 = 40.0;
+/// The greatest step of anything in a frame over the median of these: of 2400 random cases half keep below 2, 99 in 100 below 11, and all
+/// below 34. What is large comes of paths that pass opposite the rest, where the plane of the bend turns with the inverse of the sine.
+const JUMP: f64 = 80.0;
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn nothing_jumps(mut case in case()) {
@@ -127,9 +127,14 @@ proptest! {
             let mut steps = steps(&frames);
             steps.sort_by(f64::total_cmp);
             let (median, most) = (steps[steps.len() / 2], steps[steps.len() - 1]);
-            prop_assert!(most < JUMP * median, "{most} of {median}");
+            prop_assert!(most <= JUMP * median + 1e-9, "{most} of {median}");
         }
     }
+
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn limbs_are_where_they_may_be(case in case()) {

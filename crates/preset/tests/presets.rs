@@ -7,7 +7,7 @@ use wirework_preset::{Limits, PresetErrorKind, parse};
 fn presets() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets");
     let mut found = Vec::new();
-    for folder in ["deform", "wrinkle"] {
+    for folder in ["deform", "wrinkle", "stitch", "ik"] {
         let entries = std::fs::read_dir(root.join(folder)).expect("the presets");
         found.extend(entries.map(|entry| entry.expect("an entry").path()));
     }
@@ -23,8 +23,19 @@ fn every_preset_is_good_animated_and_has_an_object() {
         let parsed = parse(&bytes, &Limits::default()).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         assert_eq!(parsed.warnings, [], "{}", path.display());
         assert!(parsed.preset.animated && parsed.preset.duration > 0.0, "{}", path.display());
-        let mesh = parsed.preset.object.expect("an object").build().expect("a mesh").expect("no file");
-        assert!(!mesh.face_ends.is_empty(), "{}", path.display());
+        // Of its own, or of the pieces that it sews.
+        let pieces = parsed.preset.pieces();
+        let objects: Vec<_> = parsed
+            .preset
+            .object
+            .iter()
+            .chain(pieces.iter().filter_map(|piece| piece.object.as_ref()))
+            .collect();
+        assert!(!objects.is_empty(), "{}", path.display());
+        for object in objects {
+            let mesh = object.build().expect("a mesh").expect("no file");
+            assert!(!mesh.face_ends.is_empty(), "{}", path.display());
+        }
     }
 }
 
@@ -56,6 +67,8 @@ fn the_readme_names_every_field() {
     for preset in [
         "Deform(nowhere: 1)".to_owned(),
         "Wrinkle(nowhere: 1)".to_owned(),
+        "Stitch(nowhere: 1)".to_owned(),
+        "Ik(nowhere: 1)".to_owned(),
         "Deform(blend: Blend(nowhere: 1))".to_owned(),
         "Deform(lattice: Lattice(nowhere: 1))".to_owned(),
         "Deform(wires: [WireLattice(nowhere: 1)])".to_owned(),
