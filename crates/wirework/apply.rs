@@ -134,7 +134,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     let mut motion = basis.bind(&effects, fit)?;
     // Writing takes the model; what plays its clip needs one meanwhile.
     let played = match &model {
-        Model::Gltf { gltf, rest } if clip.is_some() && motion.evaluation.has_limbs() => {
+        Model::Gltf { gltf, rest } if clip.is_some() && motion.evaluation.watches_nodes() => {
             Some((gltf.clone(), rest.clone(), point_of.clone()))
         }
         _ => None,

@@ -10,7 +10,7 @@
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
-use wirework_asset::{AssetError, Rest};
+use wirework_asset::AssetError;
 use wirework_core::{BindError, Lattice, LatticeError, Wire};
 use wirework_ik::IkError;
 use wirework_preset::{Action, BoundsFrame, Effect, Units};
@@ -18,7 +18,7 @@ use wirework_surface::Bounds;
 use wirework_wrinkle::{WrinkleError, WrinkleWarning};
 
 use crate::fit::Fit;
-use crate::limbs::{Reach, bare_limbs};
+use crate::limbs::bare_limbs;
 use crate::mask::{EffectMasks, Masks};
 use crate::posing::Posing;
 use crate::stage::Stage;
@@ -47,12 +47,12 @@ use crate::stage::Stage;
 pub struct Evaluation<'a> {
     points: &'a [[f32; 3]],
     triangles: &'a [[u32; 3]],
-    stages: Vec<Stage>,
+    pub(crate) stages: Vec<Stage>,
     /// What an effect works on that is not the first.
     base: Vec<[f32; 3]>,
     spent: Spent,
     /// The clip that poses what effects from the first limb on work on.
-    posing: Option<Posing<'a>>,
+    pub(crate) posing: Option<Posing<'a>>,
     /// Of names and images that effects ask for.
     pub(crate) warnings: Vec<String>,
 }
@@ -255,52 +255,6 @@ impl<'a> Evaluation<'a> {
             stage.deform(seconds, out, &mut self.spent)?;
         }
         Ok(())
-    }
-
-    /// Plays a clip from now on: limbs look at its nodes, and from the first one on whose joints are nodes, effects work on what it poses.
-    pub(crate) fn pose_by(&mut self, posing: Posing<'a>) {
-        self.posing = Some(posing);
-        let from = self.posed_from().unwrap_or(self.stages.len());
-        self.stages.iter_mut().skip(from).for_each(Stage::leave_rest);
-    }
-
-    /// The stage from which on points are as the clip poses them.
-    fn posed_from(&self) -> Option<usize> {
-        self.posing.as_ref()?;
-        self.stages.iter().position(Stage::hangs_on_nodes)
-    }
-
-    /// The model without effects, and its points, at the moment that was last worked out; none where points are not posed by a clip.
-    pub(crate) fn moment(&self) -> Option<(&Rest, &[[f32; 3]])> {
-        self.posed_from()?;
-        self.posing.as_ref().map(|posing| (posing.moment(), posing.points()))
-    }
-
-    /// Whether points are posed by a clip.
-    pub(crate) fn is_posed(&self) -> bool {
-        self.posed_from().is_some()
-    }
-
-    /// Plays the clip, where one poses points or what limbs reach for.
-    pub(crate) fn posing(&self) -> Option<&Posing<'a>> {
-        self.posing.as_ref()
-    }
-
-    /// Whether an effect is a limb that looks at a model's nodes.
-    pub(crate) fn has_limbs(&self) -> bool {
-        self.limbs().any(Reach::watches)
-    }
-
-    /// The limb that is all there is, its wire at the moment that was last worked out, and what multiplies its influence at each point; none
-    /// where there are other effects.
-    pub(crate) fn lone_limb(&self) -> Option<(&Reach, &Wire, Option<&[f32]>)> {
-        let [stage] = self.stages.as_slice() else { return None };
-        Some((stage.reach()?, stage.wires.first()?, stage.factors()))
-    }
-
-    /// The limbs among the effects.
-    pub(crate) fn limbs(&self) -> impl Iterator<Item = &Reach> {
-        self.stages.iter().filter_map(Stage::reach)
     }
 
     /// Notes that nobody has asked for the moments so far.

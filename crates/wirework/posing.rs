@@ -1,7 +1,11 @@
 //! A model as a clip poses it, for effects that work on that and not on the rest: limbs.
 
 use wirework_asset::{AssetError, Gltf, LocalDeltas, Player, Rest};
+use wirework_core::Wire;
 
+use crate::Evaluation;
+use crate::limbs::Reach;
+use crate::stage::Stage;
 use crate::weld::spread;
 
 /// Plays a clip under effects.
@@ -77,6 +81,54 @@ impl<'a> Posing<'a> {
 
     pub(crate) fn player(&self) -> &Player<'a> {
         &self.player
+    }
+}
+
+impl<'a> Evaluation<'a> {
+    /// Plays a clip from now on: limbs look at its nodes, and from the first one on whose joints are nodes, effects work on what it poses.
+    pub(crate) fn pose_by(&mut self, posing: Posing<'a>) {
+        self.posing = Some(posing);
+        let from = self.posed_from().unwrap_or(self.stages.len());
+        self.stages.iter_mut().skip(from).for_each(Stage::leave_rest);
+    }
+
+    /// The stage from which on points are as the clip poses them.
+    pub(crate) fn posed_from(&self) -> Option<usize> {
+        self.posing.as_ref()?;
+        self.stages.iter().position(Stage::hangs_on_nodes)
+    }
+
+    /// The model without effects, and its points, at the moment that was last worked out; none where points are not posed by a clip.
+    pub(crate) fn moment(&self) -> Option<(&Rest, &[[f32; 3]])> {
+        self.posed_from()?;
+        self.posing.as_ref().map(|posing| (posing.moment(), posing.points()))
+    }
+
+    /// Whether points are posed by a clip.
+    pub(crate) fn is_posed(&self) -> bool {
+        self.posed_from().is_some()
+    }
+
+    /// Plays the clip, where one poses points or what limbs reach for.
+    pub(crate) fn posing(&self) -> Option<&Posing<'a>> {
+        self.posing.as_ref()
+    }
+
+    /// Whether an effect is a limb that looks at a model's nodes.
+    pub(crate) fn watches_nodes(&self) -> bool {
+        self.limbs().any(Reach::watches)
+    }
+
+    /// The limb that is all there is, its wire at the moment that was last worked out, and what multiplies its influence at each point; none
+    /// where there are other effects.
+    pub(crate) fn lone_limb(&self) -> Option<(&Reach, &Wire, Option<&[f32]>)> {
+        let [stage] = self.stages.as_slice() else { return None };
+        Some((stage.reach()?, stage.wires.first()?, stage.factors()))
+    }
+
+    /// The limbs among the effects.
+    pub(crate) fn limbs(&self) -> impl Iterator<Item = &Reach> {
+        self.stages.iter().filter_map(Stage::reach)
     }
 }
 

@@ -313,7 +313,7 @@ impl Subject {
             (driving_clip(effects, &self.model, None)?, &self.model)
         {
             sense(&mut evaluation, gltf, rest, &self.point_of, clip)?;
-            if evaluation.has_limbs() {
+            if evaluation.watches_nodes() {
                 evaluation.pose_by(Posing::new((gltf, rest), clip, (&self.points, &self.point_of))?);
             }
         }

@@ -137,7 +137,7 @@ impl Setting {
             sense(&mut motion.evaluation, &self.gltf, &self.rest, &self.point_of, clip)?;
         }
         if let (Some(motion), Some(clip)) = (&mut motion, clip)
-            && motion.evaluation.has_limbs()
+            && motion.evaluation.watches_nodes()
         {
             let points = (motion.points, self.point_of.as_slice());
             motion.evaluation.pose_by(Posing::new((&self.gltf, &self.rest), clip, points)?);
