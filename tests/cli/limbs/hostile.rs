@@ -86,12 +86,14 @@ fn joints_anywhere() {
             }
         }
     }
-    assert!(done > 60, "{done}");
+    // But for the widest, which overflow.
+    assert!(done >= 150, "{done}");
 }
 
 #[test]
 fn settings_at_their_ends() {
     let place = Place::new();
+    let mut done = 0;
     for fields in [
         "max_stretch: 1, min_stretch: 1, softness: 0",
         "max_stretch: 3e38, softness: 1, elasticity: 1",
@@ -122,10 +124,13 @@ fn settings_at_their_ends() {
     ] {
         for goal in ["(0.1, 0, 0)", "(0, 0, 0)", "(-5, 0.1, 0)"] {
             for volume in ["volume: 1", "volume: 1, scale_by: Local"] {
-                survives(&place, &limb(JOINTS, &format!("goal: {goal}, {fields}, {volume}")), "");
+                let preset = limb(JOINTS, &format!("goal: {goal}, {fields}, {volume}"));
+                done += u32::from(survives(&place, &preset, ""));
             }
         }
     }
+    // A few are out of range.
+    assert!(done >= 130, "{done}");
 }
 
 #[test]
@@ -135,13 +140,17 @@ fn limbs_of_many_joints() {
     for i in 0..100 {
         let _ = write!(joints, "({}, {}, 0), ", f64::from(i) * 0.02, f64::from(i % 3) * 0.004);
     }
+    let mut pins = String::new();
+    for i in 0..99 {
+        let _ = write!(pins, "({i}, (1, 0.{i}, 0)), ");
+    }
     for goal in ["(1, 1, 0.3)", "(0, 0, 0)", "(1e38, 0, 0)", "(-1.9, 0, 0)"] {
         for fields in [
             "elasticity: 0".to_owned(),
             "elasticity: 0.5, scale_by: Local, twist: 90".to_owned(),
             format!("elasticity: 0.3, limits: [{}]", "5, ".repeat(99)),
             format!("elasticity: 1, stiffness: [{}]", "0, 1, 0.5, ".repeat(33)),
-            format!("pins: [{}]", (0..99).map(|i| format!("({i}, (1, 0.{i}, 0)), ")).collect::<String>()),
+            format!("pins: [{pins}]"),
         ] {
             assert!(
                 survives(&place, &limb(&joints, &format!("goal: {goal}, {fields}")), ""),

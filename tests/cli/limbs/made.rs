@@ -21,8 +21,13 @@ const SIDES: usize = 12;
 const RINGS: usize = 29;
 const TRUNK: usize = 11;
 
-/// Its vertices at rest, each with the weights of hips, upper arm, forearm and hand.
-fn vertices() -> Vec<(DVec3, [f64; 4])> {
+/// A vertex at rest, and its weights on hips, upper arm, forearm and hand.
+type Vertex = (DVec3, [f64; 4]);
+
+/// A node, what of it moves, and how in time.
+type Track<'a> = (usize, &'a str, &'a dyn Fn(f64) -> Vec<f64>);
+
+fn vertices() -> Vec<Vertex> {
     let round = |axis: [DVec3; 2], radius: f64| {
         (0..SIDES).map(move |j| {
             let angle = TAU * j as f64 / SIDES as f64;
@@ -73,7 +78,7 @@ pub(super) fn shoulder() -> Vec<usize> {
 pub(super) fn figure(moves: bool) -> Doc {
     let mut doc = Doc::new();
     let all = vertices();
-    let flat = |value: &dyn Fn(&(DVec3, [f64; 4])) -> Vec<f64>| -> Vec<f32> {
+    let flat = |value: &dyn Fn(&Vertex) -> Vec<f64>| -> Vec<f32> {
         all.iter().flat_map(value).map(|x| x as f32).collect()
     };
     let positions = doc.floats("VEC3", &flat(&|(p, _)| p.to_array().to_vec()));
@@ -128,7 +133,7 @@ fn swing(doc: &mut Doc) -> Value {
     let times: Vec<f64> = (0..KEYS).map(|k| SECONDS * f64::from(k) / f64::from(KEYS - 1)).collect();
     let wave = |t: f64| (TAU * t / SECONDS).sin();
     let turn = |axis: DVec3, angle: f64| DQuat::from_axis_angle(axis, angle).to_array().to_vec();
-    let tracks: [(usize, &str, &dyn Fn(f64) -> Vec<f64>); 5] = [
+    let tracks: [Track<'_>; 5] = [
         (1, "translation", &|t| vec![0.05 * wave(t), 0.02 * t, 0.0]),
         (1, "rotation", &|t| turn(DVec3::Y, 0.1 * wave(t))),
         (2, "rotation", &|t| turn(DVec3::Z, 0.5 * t - 0.2)),
