@@ -2,15 +2,19 @@
 //!
 //! The bone at a joint keeps within a cone about the direction that it has at rest, carried along by the bone before it: by the least
 //! rotation at each joint, from the root on. Where a pose leaves its cones it is turned back into them, and then, in turn, towards its goal by
-//! all joints at once and back into them: joints at their border give their part to the others. The number of rounds is fixed and
-//! every step is continuous, so that the pose is continuous in the goal where the one without cones is.
+//! all joints at once and back into them: joints at their border give their part to the others. Where the goal can be
+//! reached so, or nearly, the pose follows it as the one without cones does. Where it cannot there may be two ways to come near it, to one
+//! side and to the other, and the pose steps from the one to the other.
 
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::turn::{aside, least_rotation};
 
-/// Rounds of turning joints: where half of them stand at their borders each round leaves half of what is missing.
+/// Rounds of turning joints at most: where half of them stand at their borders each round leaves half of what is missing.
 const ROUNDS: usize = 40;
+
+/// Where a round moves the end by less than this part of the length it comes no nearer.
+const STALLED: f64 = 1e-4;
 
 /// Added to what a turn of all joints moves the end by, as a part of that, so that a limb that points at its goal does not thrash.
 const DAMPING: f64 = 0.3;
@@ -125,7 +129,7 @@ impl Cones<'_> {
             }
             self.step(bones, miss, end);
             self.clamp(bones);
-            if bones.iter().sum::<DVec3>().distance(end) < THERE * total {
+            if bones.iter().sum::<DVec3>().distance(end) < STALLED * total {
                 return;
             }
         }

@@ -17,7 +17,8 @@ pub struct Ik {
     pub pole: Option<Keyed<[f32; 3]>>,
     /// \[SF98\] §5.3: 0 rigid bones ..= 1 a rubber band. Default 0.5.
     pub elasticity: Keyed<f32>,
-    /// Of each bone, 0 ..= 1: at 1 it keeps its length and turns as a rigid one does, whatever the elasticity, and the others give. Empty, which is the default: 0 for all.
+    /// Of each bone, 0 ..= 1: at 1 it keeps its length and turns as a rigid one does, whatever the elasticity, and the others give.
+    /// Empty, which is the default: 0 for all.
     pub stiffness: Vec<f32>,
     /// Of each joint but the tip, in radians, > 0: how far its bone may turn from its direction at rest as the bone before it carries
     /// that. Empty, which is the default: as far as it likes. One for the tip may stand at the end and does nothing.

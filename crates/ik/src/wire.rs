@@ -13,7 +13,7 @@
 //! through points of it, at fractions that stay, so where a bone stretches the curve along it does, evenly.
 
 use glam::{DQuat, DVec3};
-use wirework_core::{Bend, Curve, Locator, Wire};
+use wirework_core::{Bend, Curve, CurveKind, Locator, Wire};
 
 use crate::error::IkError;
 use crate::limb::{Limb, Pose};
@@ -28,6 +28,12 @@ const CHAIN_DEGREE: u8 = 3;
 
 /// The fraction of the last bone over which a held tip comes to its direction, where the curve has none of its own.
 const HELD: f64 = 0.25;
+
+/// The largest such fraction: the point before it may be half the bone away.
+const MOST_HELD: f64 = 0.4;
+
+/// Steps in which frames go along a segment of the paper's curve; one along those of the rounded one, which are plane.
+const STEPS: usize = 32;
 
 /// Locators in each segment of the curve, where attributes change along it: between them twist and scale are linear in the parameter
 /// and not in the length. Where the speed in a segment doubles, twist is off by a thousandth of what it gains there.
@@ -97,14 +103,18 @@ fn controls(joints: &[DVec3], settings: &Ik, direction: DVec3) -> Vec<[f32; 3]> 
     for corner in joints.windows(3) {
         match rounded {
             Some(part) => {
-                points.extend([corner[1].lerp(corner[0], part), corner[1], corner[1].lerp(corner[2], part)]);
+                // Where a bone is rounded up to its middle from both ends, that is one point: with two the curve would stand still there.
+                if part < 0.5 || points.len() == 1 {
+                    points.push(corner[1].lerp(corner[0], part));
+                }
+                points.extend([corner[1], corner[1].lerp(corner[2], part)]);
             }
             None => points.push(corner[1]),
         }
     }
     let [.., before, tip] = joints else { return Vec::new() };
     if let Tip::Hold(_) = settings.tip {
-        points.push(tip - direction * (tip.distance(*before) * rounded.unwrap_or(HELD)));
+        points.push(tip - direction * (tip.distance(*before) * rounded.unwrap_or(HELD).min(MOST_HELD)));
     }
     points.push(*tip);
     points.iter().map(|point| point.as_vec3().to_array()).collect()
@@ -174,10 +184,11 @@ impl Limb {
             root = roll(bend, own, rest);
         }
         if self.settings.tip != Tip::Follow {
-            let tangent = wire.reference.at([1.0])[0].1;
-            let bend =
-                wire.stations(&[1.0]).first().map_or(DQuat::IDENTITY, |at| DQuat::from_array(at.rotation));
-            tip += within_turn(roll(bend, held, DVec3::from_array(tangent)) - root);
+            let Ok(now) = wire.reference.posed(wire.pose.clone()) else { return };
+            let [rest, now] = [&wire.reference, &now].map(transported);
+            let start = least_rotation(rest.first, now.first, rest.first.cross(aside(rest.first)));
+            let bend = now.turn * start * rest.turn.inverse();
+            tip += within_turn(roll(bend, held, rest.last) - root);
         }
         wire.twist = root as f32;
         let Spine { along, length, .. } = &self.spine;
@@ -231,8 +242,8 @@ impl Limb {
     /// What becomes of each bone, and of what hangs on the tip, where `wire` is [in this pose](Limb::wire_into): for those who animate
     /// bones. One for each joint.
     pub fn bone_frames(&self, pose: &Pose, wire: &Wire) -> Vec<BoneFrame> {
-        let mut stations = wire.stations(&self.spine.middles);
-        stations.extend(wire.stations(&[1.0]));
+        let places: Vec<f64> = self.spine.middles.iter().copied().chain([1.0]).collect();
+        let stations = wire.stations(&places);
         let bones = self.joints.len() - 1;
         let frame = |(j, station): (usize, &wirework_core::Station)| {
             let bone = j.min(bones - 1);
@@ -255,6 +266,32 @@ impl Limb {
         };
         stations.iter().enumerate().map(frame).collect()
     }
+}
+
+/// A frame carried along a curve.
+struct Transported {
+    /// The tangents at both ends.
+    first: DVec3,
+    last: DVec3,
+    /// The turn from the one to the other.
+    turn: DQuat,
+}
+
+/// Carries a frame from the start of a curve to its end, without turning it about the tangent: in a plane, the least rotation does that, and
+/// else in small steps.
+fn transported(curve: &Curve) -> Transported {
+    let degree = match curve.kind() {
+        CurveKind::BSpline { degree } => usize::from(degree).min(curve.points().len() - 1),
+        _ => 1,
+    };
+    let segments = curve.points().len() - degree;
+    let steps = segments * if degree > 2 { STEPS } else { 1 };
+    let at = curve.at((0..=steps).map(|i| i as f64 / steps as f64));
+    let tangents: Vec<DVec3> = at.into_iter().map(|(_, tangent)| DVec3::from_array(tangent)).collect();
+    let turn = tangents.windows(2).fold(DQuat::IDENTITY, |turn, pair| {
+        (least_rotation(pair[0], pair[1], aside(pair[0])) * turn).normalize()
+    });
+    Transported { first: tangents[0], last: tangents[steps], turn }
 }
 
 /// The angle about a tangent that is left between how a wire bends there and how it is to turn, from −π to π.

@@ -389,6 +389,19 @@ fn a_held_tip_keeps_its_orientation() {
 }
 
 #[test]
+fn curves_rounded_up_to_the_middles_of_bones_have_no_notch() {
+    // A ring lies in the very middle of the second bone.
+    let points = rings(3.0, 0.1, 61);
+    let at = |part| {
+        let limb = limb(&Ik { curve: ChainCurve::Rounded(part), ..elastic(0.0) });
+        moved(&limb, [1.5, 1.2, 0.0], &points)
+    };
+    for (half, nearly) in at(0.5).iter().zip(&at(0.499)) {
+        assert!(double(*half).distance(double(*nearly)) < 0.01, "{half:?} {nearly:?}");
+    }
+}
+
+#[test]
 fn bones_frames_are_what_their_middles_do() {
     let settings = Ik { twist: Keyed::Constant(1.0), ..elastic(0.6) };
     for chain in chains() {
