@@ -13,8 +13,11 @@ use crate::turn::{aside, least_rotation};
 /// Rounds of turning joints at most: where half of them stand at their borders each round leaves half of what is missing.
 const ROUNDS: usize = 40;
 
-/// Where a round moves the end by less than this part of the length it comes no nearer.
-const STALLED: f64 = 1e-4;
+/// A round that brings the end nearer by less than this part of the length is one in vain.
+const NEARER: f64 = 1e-4;
+
+/// After so many of these in a row it comes no nearer.
+const STALLED: u32 = 3;
 
 /// Added to what a turn of all joints moves the end by, as a part of that, so that a limb that points at its goal does not thrash.
 const DAMPING: f64 = 0.3;
@@ -121,17 +124,18 @@ impl Cones<'_> {
             self.inside(bones);
         }
         let total: f64 = bones.iter().map(|bone| bone.length()).sum();
+        let (mut least, mut stalled) = (f64::INFINITY, 0);
         for _ in 0..ROUNDS {
             let end: DVec3 = bones.iter().sum();
             let miss = goal - end;
-            if miss.length() < THERE * total {
+            let far = miss.length();
+            stalled = if far > least - NEARER * total { stalled + 1 } else { 0 };
+            least = least.min(far);
+            if far < THERE * total || stalled == STALLED {
                 return;
             }
             self.step(bones, miss, end);
             self.clamp(bones);
-            if bones.iter().sum::<DVec3>().distance(end) < STALLED * total {
-                return;
-            }
         }
     }
 
