@@ -20,6 +20,7 @@ mod place;
 mod player;
 mod real_files;
 mod render;
+mod skeleton;
 mod stitches;
 mod storage;
 mod tangents;
