@@ -90,7 +90,8 @@ pub(crate) struct Apply {
     /// How frames become what a file plays
     #[arg(long, value_enum, default_value_t = Bake::Auto)]
     pub(crate) bake: Bake,
-    /// With `--bake skin`, for a limb whose joints stand in the preset: more joints on each bone
+    /// With `--bake skin`: so many more joints between two of the limb's, so that bones bend; on a model's own skin, on what hung on
+    /// one, which plays as before in all other clips. 3 and more pay
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=64))]
     pub(crate) joints: u16,
     /// How far played positions may be off, in parts of the diagonal. In this version every frame is exact
@@ -135,7 +136,7 @@ pub(crate) enum Bake {
     Basis,
     /// One target a frame
     Frames,
-    /// Tracks of joints, for a preset of one limb: what a skeleton can do of it
+    /// Tracks of joints, for a preset of one limb: what a skeleton can do of it; the report says how far off that is
     Skin,
 }
 

@@ -45,7 +45,8 @@ pub struct Job<'a> {
     pub max_frames: u32,
     /// How frames become morph targets. Default [`Bake::Auto`].
     pub bake: Bake,
-    /// With [`Bake::Skin`], joints on each bone between those of the chain. Default 0.
+    /// With [`Bake::Skin`], places on each bone, between its ends, where the limb gets more joints. On a model's own skin each joint that
+    /// something hangs on there gets one of its own. Default 0.
     pub joints: usize,
     /// The most morph targets a mesh may have, its own counted. Default 240.
     pub max_targets: usize,

@@ -1,8 +1,16 @@
 //! A limb as a skeleton: tracks of joints, which any engine plays, in the place of morph targets.
 //!
 //! Where the chain is one of the model's own, its joints are taken to where the limb has them: each turned and stretched as the middle of
-//! its bone is; bones that bend get joints between theirs. A chain that stands in the preset gets joints made for it ([`rig`]). Either way
-//! what an engine then shows is compared with the effect itself, at every frame.
+//! its bone is; or, where there are more joints between them, each as the curve is where it lies. A chain that stands in the
+//! preset gets joints made for it ([`rig`]). Either way what an engine then shows is compared with the effect itself, at every frame.
+//!
+//! # Notes
+//!
+//! What stays however many joints there are: vertices that follow in part, which wires turn by a part of the angle and skins take a
+//! part of the way; vertices that hang on four joints already and so on no more than the nearest of two; and, where joints do not pose
+//! a vertex alike, as in a rest that is not the pose in which it was bound, that a wire moves the mean of what they make of it and
+//! not each of them. With one joint more to a bone the residual may be larger than with none: from the middle of
+//! a bone to its end a curve does not turn evenly.
 
 mod rig;
 

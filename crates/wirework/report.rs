@@ -54,11 +54,12 @@ pub struct NewClip {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Skeleton {
-    /// Joints that move.
+    /// Joints that get tracks: the limb's, those made for it, and those below that go elsewhere than the one above them.
     pub joints: usize,
     /// How many of them were made for it.
     pub made: usize,
-    /// How far a vertex is at most from where the effect itself has it, metres, over all frames.
+    /// How far a vertex is at most from where the effect itself has it, metres, over all frames. What hangs on the limb in part is
+    /// turned by its part of the turn by the effect, and goes its part of the way by a skeleton: no number of joints makes up for that.
     pub residual: f64,
     /// The same as a part of the model's diagonal.
     pub residual_of_diagonal: f64,
