@@ -209,9 +209,10 @@ fn allowed(difference: &Difference, old: &Value, finer: bool) -> bool {
     let number = new.as_ref().and_then(Value::as_u64);
     let behind = |key: &str| number.is_some_and(|n| n >= old[key].as_array().map_or(0, Vec::len) as u64);
     match path.as_slice() {
-        ["accessors" | "bufferViews" | "animations", _] => added,
+        ["accessors" | "bufferViews" | "animations", _] | ["animations", _, "channels" | "samplers", _] => {
+            added
+        }
         ["buffers", "0", "byteLength"] => true,
-        ["animations", _, "channels" | "samplers", _] => added,
         ["animations", _, "channels", _, "sampler"] => number.is_some(),
         ["nodes", _] | ["nodes", _, "children"] | ["nodes", _, "children", _] | ["skins", _, "joints", _] => {
             finer && added
