@@ -13,6 +13,10 @@ use crate::{diagnostics, presets};
 
 pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     let bake = bake(args.bake)?;
+    if args.joints > 0 && bake != bake::Bake::Skin {
+        let message = "`--joints` puts joints on the bones of a skeleton: it needs `--bake skin`";
+        return Err(Failure::new(Fault::Request, message.to_owned()));
+    }
     let report_file = args.report.as_deref().filter(|path| *path != Path::new("-"));
     // A run that fails leaves what stood there.
     report_file.map_or(Ok(()), check_output).map_err(JobError::from)?;
