@@ -131,6 +131,7 @@ fn added(report: &Report) -> Option<String> {
     let clip = report.clip.as_ref().filter(|clip| clip.index > 0)?;
     let joins = match clip.could_join.as_slice() {
         [] => String::new(),
+        _ if clip.plays.is_some() => ", which plays the input's own with it".to_owned(),
         [own] => format!(", --into {own} joins it with the input's own"),
         _ => ", --into CLIP joins it with one of the input's own".to_owned(),
     };

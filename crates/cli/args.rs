@@ -90,8 +90,8 @@ pub(crate) struct Apply {
     /// How frames become what a file plays
     #[arg(long, value_enum, default_value_t = Bake::Auto)]
     pub(crate) bake: Bake,
-    /// With `--bake skin`: so many more joints between two of the limb's, so that bones bend; on a model's own skin, on what hung on
-    /// one, which plays as before in all other clips. 3 and more pay
+    /// With `--bake skin`, 0 to 64: more joints at so many places between two of the limb's, so that bones bend; on a model's own skin one for
+    /// each joint with vertices there, and all other clips play as before. 3 and more pay, until what is left is not for joints to mend
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=64))]
     pub(crate) joints: u16,
     /// How far played positions may be off, in parts of the diagonal. In this version every frame is exact
@@ -100,7 +100,7 @@ pub(crate) struct Apply {
     /// The most morph targets a mesh may have, its own counted
     #[arg(long, default_value_t = 240, value_name = "N")]
     pub(crate) max_targets: usize,
-    /// The clip of the input that drives effects with `drive: Strain`, and poses limbs of its skin. Default: the first
+    /// The clip of the input that drives effects with `drive: Strain`, and poses limbs of its skin. Default: that of `--into`, or else the first
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
     /// Add the effect to a clip of the input, by name or number, so that viewers play both; `new` makes a new clip
@@ -188,7 +188,7 @@ pub(crate) struct Render {
     /// Without shadows and occlusion, in about a fifth of the time
     #[arg(long)]
     pub(crate) fast: bool,
-    /// The clip of the model that plays, by name or number. Default: the first of a model, none under a preset
+    /// The clip of the model that plays, by name or number. Default: the first of a model; under a preset none, unless it looks at one
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
     /// How many threads work; the pictures do not depend on it. Default: one a processor

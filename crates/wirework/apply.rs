@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use wirework_asset::{Limits, OutputFile, check_output, same_file, write_files};
 use wirework_bake::{Bake, Settings};
-use wirework_preset::{Effect, Preset};
+use wirework_preset::{Action, Chain, Effect, Preset};
 
-use crate::film::{Film, check_clip};
+use crate::film::{Film, check_clip, find_clip};
 use crate::fineness::Span;
 use crate::fit::{Fit, fit};
 use crate::motion::Basis;
@@ -17,7 +17,7 @@ use crate::report::peak_bytes;
 use crate::source::{Source, parts};
 use crate::strain::{Length, clip_seconds, driving_clip, found, sense};
 use crate::subject::Model;
-use crate::{JobError, Report, Schedule, Subject, When, schedule};
+use crate::{JobError, Report, Schedule, Skeleton, Subject, When, schedule};
 
 /// What to apply, to what, and how.
 #[derive(Clone, Debug)]
@@ -85,6 +85,11 @@ impl<'a> Job<'a> {
             threads: None,
             strict: false,
         }
+    }
+
+    /// The clip of the input that effects look at: the one they are to play with, where none is named.
+    fn looks_at(&self) -> Option<&'a str> {
+        self.clip.or(self.into)
     }
 
     pub(crate) fn source(&self) -> Source<'_> {
@@ -160,6 +165,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         (Target::Obj, model) => film.obj(None, model, point_of, clip, job.output)?,
         (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, clip, None)?,
     };
+    report.warnings.extend(product.skeleton.as_ref().and_then(Skeleton::warning));
     report.warnings.extend(product.warnings);
     report.warnings.extend(source.effect_warnings(&film.motion.evaluation));
     (report.clip, report.skeleton) = (product.clip, product.skeleton);
@@ -207,9 +213,10 @@ fn prepare(job: &Job<'_>, source: &Source<'_>) -> Result<Prepared, JobError> {
         check_clip(&subject.model, clip)?;
     }
     let begin = Instant::now();
-    let (effects, unfound) = found(&subject, preset, (source.folder(), &job.limits), job.clip)?;
+    let (effects, unfound) = found(&subject, preset, (source.folder(), &job.limits), job.looks_at())?;
     let sought = begin.elapsed();
-    let clip = driving_clip(&effects, &subject.model, job.clip)?;
+    let clip = driving_clip(&effects, &subject.model, job.looks_at())?;
+    check_into(job, &effects, &subject.model, clip)?;
     let mut length = Length::of(preset);
     if clip.is_some() {
         length = length.with_clip(preset, clip_seconds(&subject.model, clip)?);
@@ -227,8 +234,42 @@ fn prepare(job: &Job<'_>, source: &Source<'_>) -> Result<Prepared, JobError> {
         ..Report::default()
     };
     report.warnings.extend(unfound);
+    report.warnings.extend(stands_still(&effects, &subject.model, clip, length)?);
     report.warnings.extend(refinement.warnings);
     Ok(Prepared { subject, effects, fit, clip, seconds: length.seconds, schedule, sought, report })
+}
+
+/// Refuses to put a limb into another clip than the one that it starts from.
+fn check_into(job: &Job<'_>, effects: &[Effect], model: &Model, clip: Option<usize>) -> Result<(), JobError> {
+    let (Some(into), Some(clip), Model::Gltf { gltf, .. }) = (job.into, clip, model) else { return Ok(()) };
+    if find_clip(gltf, into)? == clip || !effects.iter().any(is_posed) {
+        return Ok(());
+    }
+    let message =
+        "`--into` names another clip than `--clip`, the one that the limb starts from: leave one of them out";
+    Err(JobError::Request(message.to_owned()))
+}
+
+/// Whether a clip poses what an effect works on.
+fn is_posed(effect: &Effect) -> bool {
+    matches!(&effect.action, Action::Ik(limb) if matches!(limb.chain, Chain::Skin { .. }))
+}
+
+/// The warning that a clip ends before an effect that it poses.
+fn stands_still(
+    effects: &[Effect],
+    model: &Model,
+    clip: Option<usize>,
+    length: Length,
+) -> Result<Option<String>, JobError> {
+    let seconds = clip_seconds(model, clip)?;
+    let ends = seconds > 0.0 && seconds < length.seconds && effects.iter().any(is_posed);
+    Ok(ends.then(|| {
+        format!(
+            "the clip under the limb lasts {seconds:.2} s and the effect {:.2} s: then the model stands still [clip-ends]",
+            length.seconds
+        )
+    }))
 }
 
 /// Writes the files, unless it is a dry run.
@@ -297,7 +338,11 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, JobError> {
     let Some(target) = Target::of(path) else {
         return request(&format!("{name}: found another extension, expected .glb, .gltf or .obj"));
     };
+    let animation = matches!((&target, schedule), (Target::Gltf(_), Schedule::Frames { .. }));
     match (&target, schedule) {
+        _ if job.bake == Bake::Skin && !animation => request(
+            "`--bake skin` writes tracks of joints: it needs a .glb or .gltf, and an effect that moves in time",
+        ),
         (Target::Gltf(_), _) if name.contains("####") => request(&format!(
             "{name}: `####` stands for a file a frame, and only OBJ is written so; leave it out"
         )),

@@ -97,7 +97,7 @@ impl Film<'_> {
         let file = wirework_asset::printable(gltf.file());
         let warnings =
             gltf.warnings().iter().skip(known).map(|warning| format!("{file}: {warning}")).collect();
-        let clip = new_clip(&gltf, clips);
+        let clip = new_clip(&gltf, clips, under.filter(|_| posed));
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
@@ -150,7 +150,8 @@ impl Film<'_> {
 
 fn not_alone() -> JobError {
     JobError::Request(
-        "`--bake skin` is for a preset of one limb, `Ik`: what else effects do no skeleton can".to_owned(),
+        "`--bake skin` writes a preset that is one `Ik` and nothing else; `--bake auto` takes all effects"
+            .to_owned(),
     )
 }
 

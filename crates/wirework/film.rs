@@ -86,8 +86,10 @@ impl Film<'_> {
             self.play(&mut vertices, |_, _, vertices, evaluation| {
                 let [vertices] = vertices else { return Ok(()) };
                 let mut now = &rest;
-                if let (Some((moment, _)), Some(posing)) = (evaluation.moment(), evaluation.posing()) {
+                if let Some(posing) = evaluation.posing() {
                     gltf.pose_nodes(&posing.player().node_poses())?;
+                }
+                if let Some((moment, _)) = evaluation.moment() {
                     now = moment;
                 }
                 let stuck =
@@ -123,7 +125,7 @@ impl Film<'_> {
         let warnings = gltf.warnings().iter().skip(known);
         let file = wirework_asset::printable(gltf.file());
         let warnings = warnings.map(|warning| format!("{file}: {warning}")).collect();
-        let clip = new_clip(&gltf, clips);
+        let clip = new_clip(&gltf, clips, under.filter(|_| self.motion.evaluation.is_posed()));
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
@@ -217,15 +219,15 @@ impl<'a> Posed<'a> {
     }
 }
 
-/// The clip that stands behind the `known` ones, if there is one.
-pub(crate) fn new_clip(gltf: &Gltf, known: usize) -> Option<NewClip> {
+/// The clip that stands behind the `known` ones, if there is one, and the one that it plays besides.
+pub(crate) fn new_clip(gltf: &Gltf, known: usize, plays: Option<usize>) -> Option<NewClip> {
     let name = gltf.clip_names().get(known)?.unwrap_or_default().to_owned();
     let clips = gltf.json().get("animations")?.as_array()?;
     let weights = |channel: &Value| channel.pointer("/target/path").is_some_and(|path| path == "weights");
     let moves_weights = |clip: &Value| clip.get("channels")?.as_array().map(|all| all.iter().any(weights));
     let own = clips.iter().take(known).enumerate();
     let could_join = own.filter(|(_, clip)| moves_weights(clip) != Some(true)).map(|(index, _)| index);
-    Some(NewClip { index: known, name, could_join: could_join.collect() })
+    Some(NewClip { index: known, name, could_join: could_join.collect(), plays })
 }
 
 /// Puts present positions, and normals where there are any, into a mesh.

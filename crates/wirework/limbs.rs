@@ -83,7 +83,12 @@ impl Reach {
             return Ok(());
         }
         let joints = places(&self.nodes, place);
-        if !self.now.joints().map(|joint| joint.map(|c| c as f32)).eq(joints.iter().copied()) {
+        let are_of =
+            |limb: &Limb| limb.joints().map(|joint| joint.map(|c| c as f32)).eq(joints.iter().copied());
+        // Whatever was before: a moment by itself is the moment of a run.
+        if are_of(&self.rest) {
+            self.now.clone_from(&self.rest);
+        } else if !are_of(&self.now) {
             self.now = self.rest.moved(&joints)?;
         }
         Ok(())
@@ -127,7 +132,7 @@ pub(crate) fn limbs(
                 Model::Mesh { .. } => {
                     return refuse(
                         "chain",
-                        "the object has no joints; `Joints([..])` says where they are".to_owned(),
+                        "the object has no joints: give a model that has a skin, or say where they are with `Joints([..])`".to_owned(),
                     );
                 }
             },
@@ -136,7 +141,10 @@ pub(crate) fn limbs(
             Goal::Node(named) => Some(match &subject.model {
                 Model::Gltf { gltf, .. } => node(gltf, named).map_err(refused)?,
                 Model::Mesh { .. } => {
-                    return refuse("goal", "the object has no nodes but its own; give a point".to_owned());
+                    return refuse(
+                        "goal",
+                        "the object has no nodes but its own: give a model that has, or a point".to_owned(),
+                    );
                 }
             }),
             _ => None,

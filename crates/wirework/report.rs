@@ -48,6 +48,8 @@ pub struct NewClip {
     pub name: String,
     /// The clips before it that could take the effect: those that move no weights of their own.
     pub could_join: Vec<usize>,
+    /// The clip whose tracks it has besides, since the effect starts from what that shows.
+    pub plays: Option<usize>,
 }
 
 /// A skeleton that plays an effect, and how well.
@@ -65,6 +67,23 @@ pub struct Skeleton {
     pub residual_of_diagonal: f64,
     /// When that is, seconds.
     pub seconds: f64,
+}
+
+/// A skeleton that is farther off than this part of the diagonal is hardly what was meant.
+const FAR_OFF: f64 = 0.05;
+
+impl Skeleton {
+    /// That it is far from the effect, where it is.
+    pub(crate) fn warning(&self) -> Option<String> {
+        let Self { residual_of_diagonal, .. } = self;
+        (*residual_of_diagonal > FAR_OFF).then(|| {
+            format!(
+                "the skeleton is off by {:.0} % of the diagonal: does all that follows the limb hang on its joints? `SkinWeights` moves what does, \
+                 `--joints` lets bones bend [skeleton-off]",
+                100.0 * residual_of_diagonal
+            )
+        })
+    }
 }
 
 impl Report {

@@ -42,9 +42,9 @@ impl Bows {
         bows
     }
 
-    /// The arch of the bow whose ends are nearest.
-    pub(crate) fn closed(&self) -> f64 {
-        self.closed
+    /// The least distance that a bow spans.
+    pub(crate) fn least(&self) -> f64 {
+        self.span(self.closed)
     }
 
     /// The arch of the bow that spans a distance, or comes nearest to that.
@@ -120,10 +120,10 @@ mod tests {
             let total: f64 = lengths.iter().sum();
             let longest = lengths.iter().copied().fold(0.0, f64::max);
             let least = (2.0 * longest - total).max(0.0);
-            assert!((ends(&bows, bows.closed()).0 - least).abs() < 1e-9, "{lengths:?}");
+            assert!((ends(&bows, bows.closed).0 - least).abs() < 1e-9, "{lengths:?}");
             let mut before = f64::INFINITY;
             for i in 0..=200 {
-                let (along, across) = ends(&bows, bows.closed() * f64::from(i) / 200.0);
+                let (along, across) = ends(&bows, bows.closed * f64::from(i) / 200.0);
                 assert!(across.abs() < 1e-9, "the ends are on the line");
                 assert!(along < before + 1e-12, "{lengths:?}: {along} after {before}");
                 before = along;

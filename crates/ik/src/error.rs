@@ -25,7 +25,7 @@ pub enum IkError {
         joint: usize,
     },
     /// A list has a wrong number of values.
-    #[error("`{field}` has {found} values for {joints} joints, expected {expected}")]
+    #[error("`{field}` has {found} {} for {joints} joints, expected {expected}", if *.found == 1 { "value" } else { "values" })]
     Count {
         /// The name of the list.
         field: &'static str,

@@ -13,8 +13,12 @@ const STRAIGHT: f64 = 1e-6;
 /// Ends nearer than this part of the length give no direction.
 const POINT: f64 = 1e-9;
 
-/// Where the shape is no bow at rest, the first of several shapes of one span is looked for in so many steps.
-const SCAN: u32 = 8;
+/// Even steps in which bones are brought to a span, and steps that then make it exact.
+const STEPS: usize = 16;
+const EXACT: usize = 16;
+
+/// The most that a joint turns in such a step, radians.
+const LARGEST_TURN: f64 = 0.2;
 
 /// Within this part of the length from the goal at rest a pole that does not lie in the plane of the rest has not turned the limb
 /// altogether: at rest it has not turned it at all.
@@ -43,8 +47,7 @@ pub(crate) struct Run {
     /// The unit normal of the plane in which it bends: turning about it, one bone leads to the next.
     pub(crate) normal: DVec3,
     bows: Bows,
-    /// The bow that spans as much as the bones do at rest: its arch, and the angles of its bones.
-    arch: f64,
+    /// The bow that spans as much as the bones do at rest: the angles of its bones.
     angles: Vec<f64>,
     /// From the bones of that bow to those of the rest, as rotation vectors.
     aside: Vec<DVec3>,
@@ -95,7 +98,6 @@ impl Run {
             direction,
             normal,
             bows,
-            arch,
             angles: Vec::new(),
             aside: Vec::new(),
             is_bow: true,
@@ -137,47 +139,27 @@ impl Run {
         self.direction * angle.cos() + self.normal.cross(self.direction) * angle.sin()
     }
 
-    /// The bones of the shape `part` of the way from the rest to the bow of the arch `end`.
-    fn shape_into(&self, part: f64, end: f64, angles: &mut Vec<f64>, out: &mut Vec<DVec3>) {
-        self.bows.angles_into(self.arch + (end - self.arch) * part, angles);
-        out.clear();
-        for (i, angle) in angles.iter().enumerate() {
-            let bone = if self.is_bow {
-                self.in_plane(*angle)
-            } else {
-                let turned =
-                    DQuat::from_scaled_axis(self.aside[i] * (1.0 - part)) * self.in_plane(self.angles[i]);
-                DQuat::from_axis_angle(self.normal, angle - self.angles[i]) * turned
-            };
-            out.push(bone * self.lengths[i]);
-        }
-    }
-
     /// The bones of the shape that spans a distance which they can span.
+    ///
+    /// It bends as the bow does that spans as much, and keeps of what the rest has beside its own bow the less the nearer it comes to where
+    /// bones are straight, or a closed bow. What that spans too much or too little the turns of joints make up that change it most.
     fn shape(&self, distance: f64) -> Vec<DVec3> {
-        let (mut angles, mut bones) = (Vec::new(), Vec::new());
-        let closing = distance < self.span;
-        let end = if closing { self.bows.closed() } else { 0.0 };
-        // Below 0 at rest.
-        let mut miss = |part: f64| {
-            self.shape_into(part, end, &mut angles, &mut bones);
-            let span = bones.iter().sum::<DVec3>().length();
-            if closing { distance - span } else { span - distance }
-        };
-        let (mut low, mut high) = (0.0, 1.0);
-        if !self.is_bow {
-            for i in 1..SCAN {
-                let part = f64::from(i) / f64::from(SCAN);
-                if miss(part) >= 0.0 {
-                    high = part;
-                    break;
-                }
-                low = part;
-            }
+        let mut angles = Vec::new();
+        self.bows.angles_into(self.bows.spanning(distance), &mut angles);
+        if self.is_bow {
+            return angles
+                .iter()
+                .zip(&self.lengths)
+                .map(|(angle, length)| self.in_plane(*angle) * *length)
+                .collect();
         }
-        let part = root(&mut miss, low, high);
-        miss(part);
-        bones
+        let end = if distance < self.span { self.bows.least() } else { self.total };
+        let kept = ((distance - end) / (self.span - end)).clamp(0.0, 1.0);
+        let bone = |(i, angle): (usize, &f64)| {
+            let turned = DQuat::from_scaled_axis(self.aside[i] * kept) * self.in_plane(self.angles[i]);
+            DQuat::from_axis_angle(self.normal, angle - self.angles[i]) * turned * self.lengths[i]
+        };
+        spanned(angles.iter().enumerate().map(bone).collect(), self.total, distance)
     }
 
     /// The bones, of their own lengths, so that they reach from `base` to `goal`, or as far towards it as they can.
@@ -260,7 +242,8 @@ impl Run {
             }
             bones
         };
-        let mut far = reach.max(self.span - self.give(shares, stretch));
+        let floor = if stiff { self.span - self.give(shares, stretch) } else { 0.0 };
+        let mut far = reach.max(floor);
         let mut bones = sheared(far);
         let (most, least) = (stretch.most * self.total, stretch.least * self.total);
         if length(&bones) < least {
@@ -296,6 +279,43 @@ impl Run {
             .map(|(length, share)| length * most / share)
             .fold(f64::INFINITY, f64::min)
     }
+}
+
+/// Bones brought to a span by the turns of joints that change it most, in even steps: what comes out depends on the span alone, and
+/// continuously, for it is a flow along one path.
+fn spanned(mut bones: Vec<DVec3>, total: f64, span: f64) -> Vec<DVec3> {
+    for step in 0..STEPS + EXACT {
+        let chord: DVec3 = bones.iter().sum();
+        let now = chord.length();
+        let steps_left = STEPS.saturating_sub(step).max(1);
+        let change = (span - now) / steps_left as f64;
+        if step >= STEPS && change.abs() < POINT * total {
+            break;
+        }
+        // Turning all from a joint on by ω changes the span by ω·(t × c), t from that joint to the end, c along the chord.
+        let ahead = chord.normalize_or(DVec3::X);
+        let mut rest_of_it = chord;
+        let ways: Vec<DVec3> = bones
+            .iter()
+            .map(|bone| {
+                let way = rest_of_it.cross(ahead);
+                rest_of_it -= *bone;
+                way
+            })
+            .collect();
+        let sum: f64 = ways.iter().skip(1).map(|way| way.length_squared()).sum();
+        if sum <= POINT * POINT * total * total {
+            break;
+        }
+        let largest = ways.iter().skip(1).map(|way| way.length()).fold(0.0, f64::max) * change.abs() / sum;
+        let part = change / sum * if largest > LARGEST_TURN { LARGEST_TURN / largest } else { 1.0 };
+        let mut turn = DVec3::ZERO;
+        for (bone, way) in bones.iter_mut().zip(&ways).skip(1) {
+            turn += *way * part;
+            *bone = DQuat::from_scaled_axis(turn) * *bone;
+        }
+    }
+    bones
 }
 
 /// The sum of the lengths of bones.

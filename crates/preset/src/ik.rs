@@ -7,6 +7,7 @@ use wirework_ik::{ChainCurve, Ik, Influence, ScaleBy, Tip};
 
 use self::chain::{chain, limits, pins, stiffness};
 use crate::curve::{CURVES, curve};
+use crate::deform::head;
 use crate::error::PresetErrorKind;
 use crate::preset::Clock;
 use crate::read::{Fields, Reader, Within};
@@ -85,6 +86,12 @@ pub(crate) fn ik(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &mut C
     let width = closest(reader, fields, |reader, node| reader.number(node, Within::Positive));
     ik.closest = width.map_or(Closest::Smallest, Closest::Blended);
     lint(reader, fields, &ik);
+    if let Some(node) = fields.again("chain").filter(|_| matches!(chain, Some(Chain::Skin { .. })))
+        && ["influence", "only", "mask"].iter().all(|key| fields.again(key).is_none())
+    {
+        let message = "everything follows this limb, not only what hangs on its joints: `influence: SkinWeights` is for that, `All` says that it is meant";
+        reader.within("chain", |reader| reader.warn(&head(node), message));
+    }
     let limb = Limb { chain: chain?, goal: goal?, ik };
     limb.time(clock);
     Some(limb)

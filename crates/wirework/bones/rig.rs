@@ -21,6 +21,9 @@ const EACH: usize = 3;
 /// Influences this near to 1 are 1.
 const WHOLE: f32 = 1e-6;
 
+/// Joints that are made for a limb at most: no engine takes as many.
+const MOST_MADE: usize = 4096;
+
 /// Makes joints on the curve of a limb, `between` of them on each bone, and hangs all that is shown on them.
 pub(super) fn make(
     mut gltf: Gltf,
@@ -31,6 +34,13 @@ pub(super) fn make(
 ) -> Result<Rigged, JobError> {
     let mut shown: Vec<usize> = rest.blocks.iter().map(|block| block.node).collect();
     shown.dedup();
+    let bones = limb.joints().count().saturating_sub(1);
+    if bones.saturating_mul(between + 1) > MOST_MADE {
+        let message = format!(
+            "{bones} bones with {between} joints more on each: a skeleton may have {MOST_MADE} joints; lower `--joints`"
+        );
+        return Err(JobError::Request(message));
+    }
     let places = limb.places(between);
     let curve = &limb.wire().reference;
     let lengths = curve.lengths(places.iter().copied());
