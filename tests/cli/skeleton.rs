@@ -321,7 +321,10 @@ fn what_no_skeleton_can_do_is_refused() {
         place.write(name, preset);
         let told =
             place.run(&format!("apply {name} arm.glb -o out.glb --bake skin --frames 0..3")).expect(2).err();
-        assert!(told.contains("`--bake skin` is for a preset of one limb"), "{name}: {told}");
+        assert!(
+            told.contains("`--bake skin` writes a preset that is one `Ik` and nothing else"),
+            "{name}: {told}"
+        );
         assert!(!place.files().contains(&"out.glb".to_owned()), "{name}");
     }
     place.write("limb.ron", &limb);
@@ -329,6 +332,13 @@ fn what_no_skeleton_can_do_is_refused() {
     let told = place.run("apply limb.ron arm.glb -o out.glb --bake skin").expect(3).err();
     assert!(told.contains("have no skin"), "{told}");
     place.run("apply limb.ron arm.glb -o out.glb --bake skin --joints 65").expect(2);
+    for what in ["out.glb --at 0.5", "out.obj --at 0.5", "out_####.obj"] {
+        let told = place.run(&format!("apply limb.ron arm.glb -o {what} --bake skin")).expect(2).err();
+        assert!(told.contains("`--bake skin` writes tracks of joints"), "{what}: {told}");
+    }
+    let told = place.run("apply limb.ron arm.glb -o out.glb --joints 3").expect(2).err();
+    assert!(told.contains("it needs `--bake skin`"), "{told}");
+    assert!(place.files().iter().all(|file| !file.starts_with("out")), "{:?}", place.files());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::apart;
 use super::made::{ARM, SECONDS, TARGET, figure, middle, played, ring, shoulder, target, trunk};
-use crate::document::{Document, list};
+use crate::document::{Document, chunks, glb, list};
 use crate::place::Place;
 use crate::wrinkles::vertices;
 
@@ -221,4 +221,51 @@ fn a_goal_moves_with_its_node_though_the_joints_are_the_presets_own() {
         assert!(hand.distance(target(t)) < FRAMES, "at {t} s: {hand}, not {}", target(t));
         assert!(trunk().iter().all(|&v| before[v] == after[v]));
     }
+}
+
+#[test]
+fn what_a_limb_is_put_into_is_what_it_starts_from() {
+    let place = place();
+    place.write("arm.ron", arm("Node(\"target\")", "elasticity: 0"));
+    // A model of two clips: the first one goes in steps.
+    let (mut json, bin) = chunks(&place.read("figure.glb"));
+    let mut still = json["animations"][0].clone();
+    still["name"] = "steps".into();
+    for sampler in still["samplers"].as_array_mut().unwrap() {
+        sampler["interpolation"] = "STEP".into();
+    }
+    json["animations"].as_array_mut().unwrap().insert(0, still);
+    place.write("two.glb", glb(&json, bin.as_deref()));
+    let run = |more: &str| {
+        place.run(&format!("apply arm.ron two.glb -o out.glb -q --fps 8 {more}")).expect(0);
+        place.read("out.glb")
+    };
+    assert!(run("--into swing") == run("--into swing --clip swing"));
+    assert!(run("--into swing") != run("--into steps"));
+    let told = place.run("apply arm.ron two.glb -o no.glb --into swing --clip steps").expect(2).err();
+    assert!(told.contains("another clip than `--clip`"), "{told}");
+    // The hand is at its goal in the clip that it was put into.
+    let new = run("--into swing");
+    for t in [0.25, 1.0, 1.5] {
+        assert!(middle(&played(&new, Some("swing"), t), &ring(0.8)).distance(target(t)) < 2e-4, "{t}");
+    }
+}
+
+#[test]
+fn a_clip_that_ends_before_the_effect_is_told() {
+    let place = place();
+    let preset = |seconds: f64| {
+        arm(&format!("Keys([(0, (0.6, 1.2, 0)), ({seconds}, (0.5, 1.3, 0))])"), "elasticity: 0")
+    };
+    place.write("long.ron", preset(SECONDS + 1.0));
+    let told = place.run("apply long.ron figure.glb -o out.glb --fps 4").expect(0).err();
+    assert!(told.contains("[clip-ends]"), "{told}");
+    place.write("as_long.ron", preset(SECONDS));
+    let told = place.run("apply as_long.ron figure.glb -o out.glb --fps 4").expect(0).err();
+    assert!(!told.contains("[clip-ends]"), "{told}");
+    // A limb of a skin that all of it follows is hardly meant.
+    let all = preset(1.0).replace("influence: SkinWeights, ", "");
+    place.write("all.ron", all);
+    let told = place.run("check all.ron").expect(0).err();
+    assert!(told.contains("`influence: SkinWeights` is for that"), "{told}");
 }
