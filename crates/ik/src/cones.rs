@@ -32,7 +32,7 @@ const ROOM: f64 = 0.05;
 const LARGEST_TURN: f64 = 0.5;
 
 /// This part of the length from the goal is there.
-const THERE: f64 = 1e-9;
+const THERE: f64 = 1e-6;
 
 /// The cones of consecutive bones.
 #[derive(Clone, Copy, Debug)]
@@ -173,10 +173,14 @@ impl Cones<'_> {
             for (turn, way) in turns.iter_mut().zip(ways()) {
                 *turn = moved(way, push);
             }
+            let mut changed = false;
             for ((left, turn), (out, slack)) in left.iter_mut().zip(&turns).zip(&borders) {
-                if turn.dot(*out) > 0.0 {
-                    *left = *slack;
+                if turn.dot(*out) > 0.0 && *left != *slack {
+                    (*left, changed) = (*slack, true);
                 }
+            }
+            if !changed {
+                break;
             }
         }
         let largest = turns.iter().map(|turn| turn.length()).fold(0.0, f64::max);

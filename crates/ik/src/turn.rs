@@ -20,7 +20,8 @@ pub(crate) fn least_rotation(a: DVec3, b: DVec3, axis: DVec3) -> DQuat {
     if sine == 0.0 {
         return DQuat::IDENTITY;
     }
-    DQuat::from_axis_angle(cross / sine, sine.atan2(dot))
+    // By half the angle: no function of angles is needed.
+    DQuat::from_xyzw(cross.x, cross.y, cross.z, 1.0 + dot).normalize()
 }
 
 /// The unit vector across `direction` towards the coordinate axis least aligned with it, the first of equals.
