@@ -4,7 +4,7 @@ use std::path::Path;
 
 use wirework::asset::{OutputFile, check_output, printable, write_files};
 use wirework::preset::{Action, Effect};
-use wirework::{Fault, FinerMesh, Job, JobError, Report, Skeleton, When, bake};
+use wirework::{BakeReport, Fault, FinerMesh, Job, JobError, Report, Skeleton, When, bake};
 
 use crate::args::{Apply, Bake};
 use crate::console::{Console, print};
@@ -12,7 +12,7 @@ use crate::exit::Failure;
 use crate::{diagnostics, presets};
 
 pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
-    let bake = bake(args.bake)?;
+    let bake = bake(args.bake);
     if args.joints > 0 && bake != bake::Bake::Skin {
         let message = "`--joints` puts joints on the bones of a skeleton: it needs `--bake skin`";
         return Err(Failure::new(Fault::Request, message.to_owned()));
@@ -36,6 +36,7 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
         },
         bake,
         joints: usize::from(args.joints),
+        tolerance: args.tolerance,
         max_targets: args.max_targets,
         clip: args.clip.as_deref(),
         into: Some(args.into.as_str()).filter(|into| *into != "new"),
@@ -54,18 +55,15 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     Ok(())
 }
 
-/// How frames are baked, of what this version can.
-fn bake(asked: Bake) -> Result<bake::Bake, Failure> {
-    let name = match asked {
-        Bake::Auto => return Ok(bake::Bake::Auto),
-        Bake::Frames => return Ok(bake::Bake::Frames),
-        Bake::Keys => "keys",
-        Bake::Basis => "basis",
-        Bake::Skin => return Ok(bake::Bake::Skin),
-    };
-    let message =
-        format!("`--bake {name}` is not available in this version; there are `auto`, `frames` and `skin`");
-    Err(Failure::new(Fault::Request, message))
+/// How frames are baked.
+fn bake(asked: Bake) -> bake::Bake {
+    match asked {
+        Bake::Auto => bake::Bake::Auto,
+        Bake::Keys => bake::Bake::Keys,
+        Bake::Basis => bake::Bake::Basis,
+        Bake::Frames => bake::Bake::Frames,
+        Bake::Skin => bake::Bake::Skin,
+    }
 }
 
 /// Where effects have meshes made finer.
@@ -103,6 +101,9 @@ fn tell(console: Console, args: &Apply, effects: &[Effect], report: &Report) -> 
              effect itself, at {seconds:.2} s"
         ));
     }
+    if let Some(bake) = &report.bake {
+        console.note(&played(bake));
+    }
     let what = match (&args.output, args.dry_run) {
         (Some(path), false) => format!("wrote {}", printable(&path.display().to_string())),
         _ => "dry run, nothing is written".to_owned(),
@@ -124,6 +125,28 @@ fn tell(console: Console, args: &Apply, effects: &[Effect], report: &Report) -> 
             write_files(&[file]).map_err(|error| Failure::from(JobError::from(error)))
         }
     }
+}
+
+/// What morph targets play the effect, and how well.
+fn played(bake: &BakeReport) -> String {
+    let most = bake.nodes.iter().max_by_key(|node| node.targets);
+    let Some(most) = most else {
+        return "the effect stays within the tolerance: there are no morph targets".to_owned();
+    };
+    let what = match (most.bake, most.targets) {
+        ("keys", 1) => "one key pose plays it".to_owned(),
+        ("keys", targets) => format!("{targets} key poses play it"),
+        (_, 1) => "one shape plays it".to_owned(),
+        (_, targets) => format!("a basis of {targets} shapes plays it"),
+    };
+    let meshes = match bake.nodes.len() {
+        1 => String::new(),
+        nodes => format!(", and no more on the other {} meshes", nodes - 1),
+    };
+    format!(
+        "{what}{meshes}; at most {:.1e} m, {:.1e} of the diagonal, off, normals {:.1}°",
+        bake.error, bake.error_of_diagonal, bake.normal_degrees
+    )
 }
 
 /// Where the animation is, if the input has clips of its own: many viewers play one at a time.

@@ -94,7 +94,7 @@ pub(crate) struct Apply {
     /// each joint with vertices there, and all other clips play as before. 3 and more pay, until what is left is not for joints to mend
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=64))]
     pub(crate) joints: u16,
-    /// How far played positions may be off, in parts of the diagonal. In this version every frame is exact
+    /// How far a vertex may be from where the effect has it, at any time, in parts of the diagonal; for `auto`, `keys` and `basis`
     #[arg(long, default_value_t = 1e-4, value_name = "T", value_parser = positive)]
     pub(crate) tolerance: f64,
     /// The most morph targets a mesh may have, its own counted
@@ -125,16 +125,16 @@ pub(crate) struct Apply {
     pub(crate) limits: LimitArgs,
 }
 
-/// Ways to bake, those of later versions too.
+/// Ways to bake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Bake {
-    /// The fewest targets that keep the tolerance; in this version one a frame
+    /// Key poses or a basis, whichever needs fewer morph targets to keep the tolerance
     Auto,
-    /// Key poses; not available in this version
+    /// Key poses, linear in between
     Keys,
-    /// A low-rank basis; not available in this version
+    /// A basis: shapes whose weighted sums all poses are
     Basis,
-    /// One target a frame
+    /// One target a frame, exact there
     Frames,
     /// Tracks of joints, for a preset of one limb: what a skeleton can do of it; the report says how far off that is
     Skin,

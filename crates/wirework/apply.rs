@@ -17,7 +17,7 @@ use crate::report::peak_bytes;
 use crate::source::{Source, parts};
 use crate::strain::{Length, clip_seconds, driving_clip, found, sense};
 use crate::subject::Model;
-use crate::{JobError, Report, Schedule, Skeleton, Subject, When, schedule};
+use crate::{BakeReport, JobError, Report, Schedule, Skeleton, Subject, When, schedule};
 
 /// What to apply, to what, and how.
 #[derive(Clone, Debug)]
@@ -45,6 +45,9 @@ pub struct Job<'a> {
     pub max_frames: u32,
     /// How frames become morph targets. Default [`Bake::Auto`].
     pub bake: Bake,
+    /// How far what plays may be from the effect, at any time, as a part of the diagonal; above 0. [`Bake::Frames`] is exact at its
+    /// frames, and a skeleton is as far off as it is. Default 1e-4.
+    pub tolerance: f64,
     /// With [`Bake::Skin`], places on each bone, between its ends, where the limb gets more joints. On a model's own skin each joint that
     /// something hangs on there gets one of its own. Default 0.
     pub joints: usize,
@@ -77,6 +80,7 @@ impl<'a> Job<'a> {
             when: When::All,
             max_frames: 100_000,
             bake: Bake::Auto,
+            tolerance: Settings::default().tolerance,
             joints: 0,
             max_targets: Settings::default().max_targets,
             clip: None,
@@ -169,6 +173,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     report.warnings.extend(product.warnings);
     report.warnings.extend(source.effect_warnings(&film.motion.evaluation));
     (report.clip, report.skeleton) = (product.clip, product.skeleton);
+    report.bake = product.played.map(BakeReport::from);
     if job.strict && !report.warnings.is_empty() {
         return Err(JobError::Strict(report.warnings));
     }

@@ -101,7 +101,7 @@ impl Film<'_> {
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
-        Ok(Product { files, warnings, clip, skeleton: Some(skeleton) })
+        Ok(Product { files, warnings, clip, skeleton: Some(skeleton), ..Product::default() })
     }
 
     /// The model with the joints of the limb: its own, or made for it.

@@ -156,7 +156,7 @@ impl JobError {
             | Self::NothingToSee { own: true, .. }
             | Self::Bake(BakeError::Frame { .. }) => Fault::Preset,
             Self::Schedule(ScheduleError::TooMany { .. })
-            | Self::Bake(BakeError::TooManyTargets { .. })
+            | Self::Bake(BakeError::TooManyTargets { .. } | BakeError::Tolerance { .. })
             | Self::Refine(SubdivideError::TooMany { .. })
             | Self::Row { .. } => Fault::Limit,
             Self::Render(RenderError::Size { .. } | RenderError::Samples { .. } | RenderError::TooMany) => {

@@ -7,7 +7,7 @@ use serde_json::Value;
 use wirework_asset::{
     Clip, Format, Gltf, LocalDeltas, Obj, ObjPart, OutputFile, Player, Rest, write_obj, write_obj_parts,
 };
-use wirework_bake::{Baker, Settings};
+use wirework_bake::{Frame, Moments, Played, Settings};
 use wirework_surface::Mesh;
 
 use crate::error::count;
@@ -27,6 +27,8 @@ pub(crate) struct Product {
     /// The clip that was added.
     pub(crate) clip: Option<NewClip>,
     pub(crate) skeleton: Option<Skeleton>,
+    /// How well morph targets play the effect.
+    pub(crate) played: Option<Played>,
 }
 
 /// An effect on its way through time.
@@ -49,14 +51,7 @@ impl Film<'_> {
         for (done, (frame, seconds)) in self.schedule.moments().enumerate() {
             self.motion.at(seconds)?;
             let start = Instant::now();
-            let moment = self.motion.evaluation.moment();
-            for list in vertices.iter_mut() {
-                if let Some((moment, _)) = moment {
-                    list.repose(moment)?;
-                }
-                list.place(self.motion.before(), &self.motion.now);
-                list.shade(self.motion.evaluation.joints())?;
-            }
+            vertices.iter_mut().try_for_each(|list| list.follow(&self.motion))?;
             let shaded = Instant::now();
             self.shade += shaded - start;
             take(frame, seconds, vertices, &self.motion.evaluation)?;
@@ -78,12 +73,13 @@ impl Film<'_> {
         let known = gltf.warnings().len();
         let clips = gltf.clip_names().len();
         let start = Instant::now();
+        let mut played = None;
         let still = matches!(self.schedule, Schedule::Still(_));
         let who = if still { Follow::All } else { Follow::NormalMapped };
-        let mut vertices = [Vertices::of_scene(&rest, point_of)?.with_tangents(&rest, who)?];
+        let vertices = Vertices::of_scene(&rest, point_of)?.with_tangents(&rest, who)?;
         self.shade += start.elapsed();
         if still {
-            self.play(&mut vertices, |_, _, vertices, evaluation| {
+            self.play(&mut [vertices], |_, _, vertices, evaluation| {
                 let [vertices] = vertices else { return Ok(()) };
                 let mut now = &rest;
                 if let Some(posing) = evaluation.posing() {
@@ -102,25 +98,18 @@ impl Film<'_> {
             })?;
         } else {
             let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
-            let (bake, max_targets) = (job.bake, job.max_targets);
             // What starts from a clip is nothing without it.
             let source = under.filter(|_| self.motion.evaluation.is_posed());
-            let settings = Settings { bake, max_targets, clip, source, ..Settings::default() };
-            let mut baker = Baker::new(gltf, &rest, settings);
-            self.play(&mut vertices, |_, seconds, vertices, evaluation| {
-                let [vertices] = vertices else { return Ok(()) };
-                let now = evaluation.moment().map_or(&rest, |(moment, _)| moment);
-                Ok(baker.push_from(
-                    now,
-                    seconds,
-                    &vertices.positions,
-                    vertices.normals(),
-                    vertices.tangents(),
-                )?)
-            })?;
+            let Job { bake, tolerance, max_targets, .. } = *job;
+            let settings = Settings { bake, tolerance, max_targets, clip, source, ..Settings::default() };
+            let times: Vec<f64> = self.schedule.moments().map(|(_, seconds)| seconds).collect();
             let start = Instant::now();
-            gltf = baker.finish()?.gltf;
-            self.write += start.elapsed();
+            let mut takes = Takes { film: self, rest: &rest, vertices, worked: Duration::ZERO };
+            let baked = wirework_bake::bake(gltf, &rest, settings, &times, &mut takes)?;
+            let worked = takes.worked;
+            self.write += start.elapsed().saturating_sub(worked);
+            played = baked.played;
+            gltf = baked.gltf;
         }
         let warnings = gltf.warnings().iter().skip(known);
         let file = wirework_asset::printable(gltf.file());
@@ -129,7 +118,7 @@ impl Film<'_> {
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
-        Ok(Product { files, warnings, clip, skeleton: None })
+        Ok(Product { files, warnings, clip, played, ..Product::default() })
     }
 
     /// Files of a scene or a mesh. A scene is as `clip` poses it, where that drives the effect; else at rest.
@@ -189,6 +178,36 @@ impl Film<'_> {
             }
         }
         Ok(Product { files, ..Product::default() })
+    }
+}
+
+/// A film as the baker looks at it: at any moment, in any order.
+struct Takes<'t, 'a> {
+    film: &'t mut Film<'a>,
+    rest: &'t Rest,
+    vertices: Vertices,
+    /// How long it took to work moments out.
+    worked: Duration,
+}
+
+impl Moments for Takes<'_, '_> {
+    type Error = JobError;
+
+    fn at(&mut self, seconds: f64) -> Result<Frame<'_>, JobError> {
+        let Self { film, rest, vertices, worked } = self;
+        let start = Instant::now();
+        film.motion.at(seconds)?;
+        let deformed = Instant::now();
+        vertices.follow(&film.motion)?;
+        film.shade += deformed.elapsed();
+        *worked += start.elapsed();
+        let moment = film.motion.evaluation.moment().map_or(*rest, |(moment, _)| moment);
+        let (normals, tangents) = (vertices.normals(), vertices.tangents());
+        Ok(Frame { moment, positions: &vertices.positions, normals, tangents })
+    }
+
+    fn progress(&mut self, done: usize, all: usize) {
+        (self.film.progress)(Progress { done, frames: all });
     }
 }
 

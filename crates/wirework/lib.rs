@@ -179,6 +179,6 @@ pub use picture::{PictureJob, PictureReport, Shown, Viewpoint, picture};
 pub use pieces::{Pieces, SubjectPiece};
 pub use preset_file::{PresetFile, PresetFileError, parse_preset, read_preset};
 pub use refine::{FinerMesh, Refinement};
-pub use report::{NewClip, Report, Skeleton};
+pub use report::{BakeReport, NewClip, NodeReport, Report, Skeleton};
 pub use schedule::{Schedule, ScheduleError, When, schedule};
 pub use subject::{FileKind, Model, Subject};

@@ -1,6 +1,7 @@
 //! What an application of an effect did, and what it took.
 
 use serde::Serialize;
+use wirework_bake::{Bake, NodeBake, Played};
 
 use crate::FinerMesh;
 
@@ -32,6 +33,8 @@ pub struct Report {
     pub clip: Option<NewClip>,
     /// The skeleton that plays the effect, where joints do.
     pub skeleton: Option<Skeleton>,
+    /// How well morph targets play the effect, where they are key poses or a basis.
+    pub bake: Option<BakeReport>,
     /// The meshes that were subdivided, as effects with `refine: Auto` ask for.
     pub refined: Vec<FinerMesh>,
     /// What was repaired, passed over, or is hardly meant.
@@ -50,6 +53,54 @@ pub struct NewClip {
     pub could_join: Vec<usize>,
     /// The clip whose tracks it has besides, since the effect starts from what that shows.
     pub plays: Option<usize>,
+}
+
+/// How well morph targets play an effect.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct BakeReport {
+    /// How far a vertex is at most from where the effect has it, metres, at any time that was looked at: at and between all frames.
+    pub error: f64,
+    /// The same as a part of the model's diagonal.
+    pub error_of_diagonal: f64,
+    /// By which angle a normal is off at most, degrees.
+    pub normal_degrees: f64,
+    /// How many moments were sampled: the frames, and more where the motion is not straight between them.
+    pub samples: usize,
+    /// What each node that moves plays.
+    pub nodes: Vec<NodeReport>,
+}
+
+/// What a node plays.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct NodeReport {
+    /// The node.
+    pub node: usize,
+    /// `keys`: poses, linear in between; or `basis`: shapes, whose weighted sums all poses are.
+    pub bake: &'static str,
+    /// How many morph targets its mesh got.
+    pub targets: usize,
+    /// How many keys their weights have.
+    pub keys: usize,
+}
+
+impl From<Played> for BakeReport {
+    fn from(played: Played) -> Self {
+        let node = |node: &NodeBake| NodeReport {
+            node: node.node,
+            bake: if node.bake == Bake::Basis { "basis" } else { "keys" },
+            targets: node.targets,
+            keys: node.keys,
+        };
+        Self {
+            error: played.error,
+            error_of_diagonal: played.of_diagonal,
+            normal_degrees: played.normals.to_degrees(),
+            samples: played.samples,
+            nodes: played.nodes.iter().map(node).collect(),
+        }
+    }
 }
 
 /// A skeleton that plays an effect, and how well.

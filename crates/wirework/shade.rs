@@ -8,6 +8,7 @@ use wirework_surface::{
     Corner, Mesh, MeshError, Normals, NormalsBuffer, NormalsError, Tangents, TangentsBuffer,
 };
 
+use crate::motion::Motion;
 use crate::joints::Joints;
 use crate::weld::spread;
 
@@ -121,6 +122,15 @@ impl Vertices {
             None => new,
         };
         Ok(())
+    }
+
+    /// Goes where the points of a motion are, with normals and tangents.
+    pub(crate) fn follow(&mut self, motion: &Motion<'_>) -> Result<(), NormalsError> {
+        if let Some((moment, _)) = motion.evaluation.moment() {
+            self.repose(moment)?;
+        }
+        self.place(motion.before(), &motion.now);
+        self.shade(motion.evaluation.joints())
     }
 
     /// Takes the present places of the points, at rest `points`, to the positions.

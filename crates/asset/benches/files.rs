@@ -123,7 +123,7 @@ fn animate(gltf: &mut Gltf, deltas: Vec<Vec<[f32; 3]>>) {
     gltf.add_targets(0, &targets).expect("a mesh");
     let times: Vec<f32> = (0..TARGETS).map(|k| k as f32).collect();
     let weights = (0..TARGETS * TARGETS).map(|i| if i % (TARGETS + 1) == 0 { 1.0 } else { 0.0 }).collect();
-    gltf.add_clip(&Clip::New("clip".to_owned()), &times, &[WeightTrack { node: 0, weights }])
+    gltf.add_clip(&Clip::New("clip".to_owned()), &times, &[WeightTrack { node: 0, times: None, weights }])
         .expect("a node");
 }
 

@@ -23,11 +23,13 @@ pub enum Clip {
 pub struct WeightTrack {
     /// The node.
     pub node: usize,
+    /// The times of its keys, as [`Tracks::times`] are; none where they are those.
+    pub times: Option<Vec<f32>>,
     /// At each key the weights of all targets of the node's mesh, one key after the other.
     pub weights: Vec<f32>,
 }
 
-/// What a clip gets. All tracks have the same keys, and are interpolated linearly, rotations on the sphere.
+/// What a clip gets. Tracks without keys of their own have the same ones; all are interpolated linearly, rotations on the sphere.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tracks<'a> {
     /// The times of the keys: seconds, rising, from 0.
@@ -128,8 +130,18 @@ impl Gltf {
             *slot = Some(known);
             Ok(known)
         };
+        let mut own_inputs: Vec<(&[f32], usize)> = Vec::new();
         for track in tracks.weights {
-            let input = input(self, false)?;
+            let known = track.times.as_ref().map(|own| own_inputs.iter().find(|(times, _)| times == own));
+            let input = match (&track.times, known) {
+                (None, _) => input(self, false)?,
+                (Some(_), Some(Some((_, known)))) => *known,
+                (Some(own), _) => {
+                    let new = self.append_scalars(own.clone(), true)?;
+                    own_inputs.push((own, new));
+                    new
+                }
+            };
             let output = self.append_scalars(track.weights.clone(), false)?;
             parts.play(track.node, "weights", input, output);
         }
@@ -226,12 +238,14 @@ fn target_of(channel: &Value) -> Option<(usize, &str)> {
 
 fn check(tracks: &Tracks<'_>) -> Result<(), AssetError> {
     let fault = |found: String, expected: &str| Err(AssetError::file(found, expected));
-    let mut before = None;
-    for &time in tracks.times {
-        if !(time.is_finite() && time >= 0.0 && before.is_none_or(|before| before < time)) {
-            return fault(format!("a key at {time} s"), "finite times that rise from 0");
+    for times in tracks.weights.iter().filter_map(|track| track.times.as_deref()).chain([tracks.times]) {
+        let mut before = None;
+        for &time in times {
+            if !(time.is_finite() && time >= 0.0 && before.is_none_or(|before| before < time)) {
+                return fault(format!("a key at {time} s"), "finite times that rise from 0");
+            }
+            before = Some(time);
         }
-        before = Some(time);
     }
     let (mut with_weights, mut joints) = (BTreeSet::new(), BTreeSet::new());
     let again = tracks.weights.iter().map(|track| track.node).find(|&node| !with_weights.insert(node));

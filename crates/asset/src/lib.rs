@@ -41,6 +41,7 @@ mod obj;
 mod output;
 mod parts;
 mod place;
+mod played;
 mod player;
 mod pose;
 mod primitive;

@@ -182,7 +182,7 @@ fn a_channel_that_is_there_plays_ours() {
     assert_eq!(now[0], json!({ "sampler": 6, "target": { "node": 2, "path": "rotation" } }));
     assert_eq!(now[1..old.len()], old[1..]);
     assert_eq!(now[old.len()..], [json!({ "sampler": 7, "target": { "node": 1, "path": "rotation" } })]);
-    let weights = [WeightTrack { node: 5, weights: vec![0.0; 6] }];
+    let weights = [WeightTrack { node: 5, times: None, weights: vec![0.0; 6] }];
     let tracks = Tracks { times: &[0.0, 1.0, 2.0], weights: &weights, ..Tracks::default() };
     let error = gltf.add_tracks(&Clip::Into(0), &tracks).unwrap_err();
     assert_eq!(error.place, Place::Pointer("/animations/0/channels/5".into()));

@@ -1,22 +1,36 @@
 //! Frames of a deformation as glTF morph targets or tracks of joints, and a clip that plays them.
 //!
-//! A [`Baker`] takes the deformed state of all vertices frame after frame and writes what differs from the rest at
-//! once, so that no more is kept than what the file will hold. [`Baker::finish`] then adds targets, weights and clip
-//! to the document.
+//! [`bake`](bake()) looks at a motion at any time it likes and writes few targets that play it within a tolerance: key poses with linear
+//! ways between them, or a basis, shapes of which all poses are weighted sums. A [`Baker`] takes the deformed state of all vertices
+//! frame after frame and writes one target a frame, exact, and as large as the motion is long; frames that are equal share a target, and a
+//! frame that equals the rest has none. Both write what they have at once, so that no more is kept than what the file will hold.
 //!
-//! Over an input that is animated already, each frame starts from what a clip shows then: [`Baker::push_from`] takes that moment,
-//! and the new clip takes the channels of the other one along.
+//! Over an input that is animated already, each frame starts from what a clip shows then: [`Frame::moment`] is that moment, and the new
+//! clip takes the channels of the other one along.
 //!
 //! What bones do needs no targets: a [`BoneBaker`] takes where joints are to be and gives them tracks.
-//!
-//! One target a frame is exact, and as large as the motion is long; frames that are equal share a target, and a frame
-//! that equals the rest has none. Key poses and bases are other ways to the same clip and have their place in
-//! [`Bake`].
 
+mod adapt;
+mod areas;
+mod bake;
 mod bones;
+mod error;
+mod field;
 mod frames;
+mod play;
+mod principal;
 mod settings;
+mod span;
+mod study;
+mod subspace;
+mod track;
+mod vectors;
+mod writer;
 
+pub use adapt::Moments;
+pub use bake::bake;
 pub use bones::{Bone, BoneBaker, World};
-pub use frames::{BakeError, Baked, Baker};
+pub use error::BakeError;
+pub use frames::Baker;
 pub use settings::{Bake, CROWDED, Settings};
+pub use writer::{Baked, Frame, NodeBake, Played};

@@ -8,12 +8,16 @@ use wirework_asset::{Clip, Gltf, Rest};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Bake {
-    /// The fewest targets that keep the tolerance; at present one a frame.
+    /// Key poses or a basis, whichever needs fewer targets to keep the tolerance; where neither needs many, the one of fewer bytes.
     #[default]
     Auto,
+    /// Key poses, as few as keep the tolerance; linear in between.
+    Keys,
+    /// Shapes whose weighted sums all poses are, as few as keep the tolerance.
+    Basis,
     /// One target a frame, exact.
     Frames,
-    /// Tracks of joints, for what a skeleton can do: a [`BoneBaker`](crate::BoneBaker) writes them, and a [`Baker`](crate::Baker) takes
+    /// Tracks of joints, for what a skeleton can do: a [`BoneBaker`](crate::BoneBaker) writes them, and [`bake`](crate::bake()) takes
     /// this as [`Bake::Auto`].
     Skin,
 }
@@ -23,6 +27,9 @@ pub enum Bake {
 pub struct Settings {
     /// Default [`Bake::Auto`].
     pub bake: Bake,
+    /// How far a vertex may be from where the effect has it, at any time, as a part of the diagonal of the rest's bounds; above 0. Frames
+    /// that equal the rest are exact. Of no account for [`Bake::Frames`]. Default 1e-4.
+    pub tolerance: f64,
     /// The most targets that a mesh may have, its own and ours; where its own are as many already, the most of ours. Default 240: with 256 or more a mesh is not drawn on
     /// part of the phones, or refused.
     pub max_targets: usize,
@@ -31,14 +38,22 @@ pub struct Settings {
     /// A clip of the document all of whose channels a *new* clip gets besides, so that a viewer that plays only the new one shows
     /// the whole motion: for frames that were taken while it played. Default none.
     pub source: Option<usize>,
-    /// What the names of targets start with; the number of the frame follows. Letters, digits, `-` and `_`; whatever
+    /// What the names of targets start with: `_f` and the number of a frame, `_k` and that of a key pose, or `_b` and that of
+    /// a shape of a basis, with `_offset` for the one that is always there, follow. Letters, digits, `-` and `_`; whatever
     /// else there is becomes `_`, for engines treat `:`, `/` and `.` in names as their own. Default `wirework`.
     pub prefix: String,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { bake: Bake::Auto, max_targets: 240, clip: None, source: None, prefix: "wirework".to_owned() }
+        Self {
+            bake: Bake::Auto,
+            tolerance: 1e-4,
+            max_targets: 240,
+            clip: None,
+            source: None,
+            prefix: "wirework".to_owned(),
+        }
     }
 }
 
@@ -59,5 +74,10 @@ impl Settings {
                 )
             })
             .collect()
+    }
+
+    /// How many targets a mesh may get that has so many of its own.
+    pub(crate) fn room(&self, own: usize) -> usize {
+        if own >= self.max_targets { self.max_targets } else { self.max_targets - own }
     }
 }

@@ -8,7 +8,7 @@ use wirework_bake::{BakeError, Baker, Settings};
 
 #[expect(dead_code, reason = "each test file uses its own part")]
 mod common;
-use common::{ASSETS, PHASES, baked, bump, instances, shared};
+use common::{ASSETS, PHASES, baked, bump, frame, instances, shared};
 
 #[path = "../../asset/tests/oracle/mod.rs"]
 #[expect(dead_code, reason = "each test file uses its own part")]
@@ -98,8 +98,8 @@ fn equal_frames_share_a_target_and_rest_frames_have_none() {
     let before = gltf.to_glb().unwrap();
     let mut baker = Baker::new(gltf, &rest, Settings::default());
     let (positions, normals) = bump(&rest, 0.0);
-    baker.push(0.0, &positions, Some(&normals), None).unwrap();
-    baker.push(1.0, &positions, Some(&normals), None).unwrap();
+    baker.push(0.0, &frame(&rest, &positions, Some(&normals))).unwrap();
+    baker.push(1.0, &frame(&rest, &positions, Some(&normals))).unwrap();
     let out = baker.finish().unwrap();
     assert_eq!((out.targets, out.nodes), (0, 0));
     assert_eq!(out.gltf.to_glb().unwrap(), before, "nothing moves, nothing changes");
@@ -114,7 +114,7 @@ fn a_budget_of_targets_says_what_fits() {
     let mut result = Ok(());
     for k in 0..4 {
         let (positions, _) = bump(&rest, f64::from(k) / 4.0);
-        result = result.and_then(|()| baker.push(f64::from(k), &positions, None, None));
+        result = result.and_then(|()| baker.push(f64::from(k), &frame(&rest, &positions, None)));
     }
     match result.unwrap_err() {
         BakeError::TooManyTargets { fit, frame, .. } => assert_eq!((fit, frame), (2, 3)),
@@ -129,7 +129,7 @@ fn a_mesh_with_too_many_targets_of_its_own_is_baked_all_the_same() {
         let mut baker = Baker::new(gltf, &rest, Settings { max_targets, ..Settings::default() });
         for k in 0..3 {
             let (positions, _) = bump(&rest, 1.0 + f64::from(k));
-            baker.push(f64::from(k), &positions, None, None)?;
+            baker.push(f64::from(k), &frame(&rest, &positions, None))?;
         }
         baker.finish()
     };
@@ -148,13 +148,13 @@ fn bad_frames_are_refused() {
     let mut baker = Baker::new(gltf, &rest, Settings::default());
     let n = rest.positions.len();
     assert!(matches!(
-        baker.push(0.0, &vec![[0.0; 3]; n - 1], None, None),
+        baker.push(0.0, &frame(&rest, &vec![[0.0; 3]; n - 1], None)),
         Err(BakeError::VertexCount { .. })
     ));
-    assert!(matches!(baker.push(0.0, &vec![[f32::NAN; 3]; n], None, None), Err(BakeError::Frame { .. })));
-    assert!(matches!(baker.push(-1.0, &rest.positions, None, None), Err(BakeError::Frame { .. })));
-    baker.push(1.0, &rest.positions, None, None).unwrap();
-    assert!(matches!(baker.push(1.0, &rest.positions, None, None), Err(BakeError::Frame { .. })));
+    assert!(matches!(baker.push(0.0, &frame(&rest, &vec![[f32::NAN; 3]; n], None)), Err(BakeError::Frame { .. })));
+    assert!(matches!(baker.push(-1.0, &frame(&rest, &rest.positions, None)), Err(BakeError::Frame { .. })));
+    baker.push(1.0, &frame(&rest, &rest.positions, None)).unwrap();
+    assert!(matches!(baker.push(1.0, &frame(&rest, &rest.positions, None)), Err(BakeError::Frame { .. })));
 }
 
 #[test]
@@ -175,6 +175,6 @@ fn a_second_effect_goes_behind_the_first() {
     let gltf = Gltf::from_slice(&first, "first", &Limits::default()).unwrap();
     let mut baker = Baker::new(gltf, &again, settings);
     let (positions, normals) = bump(&again, 1.0);
-    baker.push(0.0, &positions, Some(&normals), None).unwrap();
+    baker.push(0.0, &frame(&rest, &positions, Some(&normals))).unwrap();
     assert!(matches!(baker.finish(), Err(BakeError::Asset(_))), "a clip holds one weight track a node");
 }

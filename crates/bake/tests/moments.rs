@@ -7,7 +7,7 @@ use wirework_bake::{BakeError, Baker, Settings};
 
 #[expect(dead_code, reason = "each test file uses its own part")]
 mod common;
-use common::{bin_of, shared};
+use common::{bin_of, frame, shared};
 #[path = "../../asset/tests/make/mod.rs"]
 #[expect(dead_code, reason = "each test file uses its own part")]
 mod make;
@@ -61,7 +61,7 @@ fn baked(glb: &[u8], stay: &[usize]) -> (Gltf, Vec<Frame>, Rest) {
         let seconds = f64::from((player.duration() * key as f64 / (KEYS - 1) as f64) as f32);
         player.rest_into(seconds, &mut moment).unwrap();
         let [positions, normals] = bent(&moment, key, stay);
-        baker.push_from(&moment, seconds, &positions, Some(&normals), None).unwrap();
+        baker.push(seconds, &frame(&moment, &positions, Some(&normals))).unwrap();
         frames.push((seconds, [positions, normals]));
     }
     (baker.finish().unwrap().gltf, frames, rest)
@@ -133,9 +133,9 @@ fn a_moment_of_another_document_is_refused() {
     other.blocks.swap(0, 1);
     let settings = Settings { clip: Some(Clip::New("x".into())), ..Settings::default() };
     let mut baker = Baker::new(gltf, &rest, settings);
-    let refused = baker.push_from(&other, 0.0, &rest.positions, None, None);
+    let refused = baker.push(0.0, &frame(&other, &rest.positions, None));
     assert!(matches!(refused, Err(BakeError::Frame { .. })));
     other.positions.pop();
-    let refused = baker.push_from(&other, 0.0, &rest.positions, None, None);
+    let refused = baker.push(0.0, &frame(&other, &rest.positions, None));
     assert!(matches!(refused, Err(BakeError::VertexCount { .. })));
 }

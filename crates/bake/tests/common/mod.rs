@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use wirework_asset::{Gltf, Limits, NewMesh, Rest};
-use wirework_bake::{Baked, Baker, Settings};
+use wirework_bake::{Baked, Baker, Frame, Settings};
 
 pub(crate) const ASSETS: [&str; 10] = [
     "rigged/cesium_man.glb",
@@ -54,13 +54,22 @@ pub(crate) fn bump(rest: &Rest, phase: f64) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     (positions, normals)
 }
 
+/// All vertices at a moment.
+pub(crate) fn frame<'a>(
+    moment: &'a Rest,
+    positions: &'a [[f32; 3]],
+    normals: Option<&'a [[f32; 3]]>,
+) -> Frame<'a> {
+    Frame { moment, positions, normals, tangents: None }
+}
+
 pub(crate) const PHASES: [f64; 5] = [0.0, 0.5, 1.0, 0.5, 0.0];
 
 pub(crate) fn baked(gltf: Gltf, rest: &Rest) -> Baked {
     let mut baker = Baker::new(gltf, rest, Settings::default());
     for (k, phase) in PHASES.iter().enumerate() {
         let (positions, normals) = bump(rest, *phase);
-        baker.push(k as f64 / 24.0, &positions, Some(&normals), None).unwrap();
+        baker.push(k as f64 / 24.0, &frame(rest, &positions, Some(&normals))).unwrap();
     }
     baker.finish().unwrap()
 }

@@ -1,0 +1,63 @@
+//! By how much the surface round each vertex grows.
+//!
+//! Normals do not go along linearly with what moves them, for they keep their length. Players do not ask for that, though: they take
+//! what they sum up to its length, so a normal may have any. With that of the area round it, which the cross product of two edges has,
+//! it is as linear as what turns the surface: of a surface over a plane it is `(−∂h/∂x, −∂h/∂y, 1)`, and a rigid turn keeps it.
+
+use std::collections::HashMap;
+
+use wirework_asset::Rest;
+
+/// Areas are not taken for more, or less, than so many times those at rest: normals of what collapses would have no length.
+const MOST: f64 = 8.0;
+
+/// Which vertices are one: those that share position and normal are to do so in the end, bit for bit.
+#[derive(Debug)]
+pub(crate) struct Areas {
+    group_of: Vec<u32>,
+    groups: usize,
+}
+
+impl Areas {
+    pub(crate) fn new(rest: &Rest) -> Self {
+        let mut group_of = vec![0; rest.positions.len()];
+        let mut groups: HashMap<[u32; 6], u32> = HashMap::new();
+        for block in &rest.blocks {
+            for v in block.first..block.first + block.count {
+                let normal = block.normals.as_ref().and_then(|normals| normals.get(v - block.first));
+                let [x, y, z] = rest.positions[v].map(f32::to_bits);
+                let [a, b, c] = normal.copied().unwrap_or_default().map(f32::to_bits);
+                let new = groups.len() as u32;
+                group_of[v] = *groups.entry([x, y, z, a, b, c]).or_insert(new);
+            }
+        }
+        Self { group_of, groups: groups.len() }
+    }
+
+    /// For each vertex of `rest` the area of the triangles round it where vertices are `now`, as a factor on that where they were `before`; 1
+    /// where there is none.
+    pub(crate) fn growth(&self, rest: &Rest, before: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
+        let mut sums = vec![[0.0_f64; 2]; self.groups];
+        for triangle in &rest.triangles {
+            let areas = [before, now].map(|list| area(triangle.map(|v| list[v as usize])));
+            for v in triangle {
+                let sum = &mut sums[self.group_of[*v as usize] as usize];
+                *sum = [sum[0] + areas[0], sum[1] + areas[1]];
+            }
+        }
+        let factor = |group: &u32| {
+            let [before, now] = sums[*group as usize];
+            let factor = if before > 0.0 { now / before } else { 1.0 };
+            factor.clamp(1.0 / MOST, MOST) as f32
+        };
+        self.group_of.iter().map(factor).collect()
+    }
+}
+
+/// Twice the area of a triangle.
+fn area([a, b, c]: [[f32; 3]; 3]) -> f64 {
+    let edge = |to: [f32; 3]| -> [f64; 3] { std::array::from_fn(|k| f64::from(to[k]) - f64::from(a[k])) };
+    let (u, v) = (edge(b), edge(c));
+    let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    cross.iter().map(|c| c * c).sum::<f64>().sqrt()
+}

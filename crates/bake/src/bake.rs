@@ -1,0 +1,204 @@
+//! All of it: look at a motion, choose what plays it, write that, and see how far it is off.
+
+use std::rc::Rc;
+
+use wirework_asset::{Gltf, Rest};
+
+use crate::areas::Areas;
+use crate::adapt::{Look, Moments, looked};
+use crate::error::BakeError;
+use crate::field::Field;
+use crate::frames::Baker;
+use crate::play::{Off, Playing, Way, diagonal, worst};
+use crate::settings::{Bake, Settings};
+use crate::study::Study;
+use crate::writer::{Baked, NodeBake, Played, Sample, Writer};
+
+/// The part of the tolerance by which the way between two samples may be off.
+const OF_WAYS: f64 = 0.25;
+
+/// Where between two samples it is looked how far players are off: not in the middle, where it has been looked before.
+const BETWEEN: f64 = 0.382;
+
+/// Bakes what `moments` shows at `times`, seconds that rise from 0, and in between, into morph targets of `gltf` and a clip.
+///
+/// With [`Bake::Frames`] each time gets a target. Otherwise times between them are looked at, too, where the motion is not straight, so that
+/// what plays is within [`Settings::tolerance`] at any time; how far it is off has been measured then ([`Baked::played`]).
+///
+/// # Errors
+///
+/// Those of `moments`; a tolerance that is none, and one that takes more targets than are allowed; times that do not rise, vertices that
+/// are not finite or of another number than the rest's.
+pub fn bake<M: Moments>(
+    gltf: Gltf,
+    rest: &Rest,
+    settings: Settings,
+    times: &[f64],
+    moments: &mut M,
+) -> Result<Baked, M::Error> {
+    if settings.bake == Bake::Frames {
+        let mut baker = Baker::new(gltf, rest, settings);
+        for (done, &time) in times.iter().enumerate() {
+            baker.push(time, &moments.at(time)?)?;
+            moments.progress(done + 1, times.len());
+        }
+        return Ok(baker.finish()?);
+    }
+    check(times, settings.tolerance)?;
+    let mut work = Work { writer: Writer::new(gltf, rest, settings), moments, frames: times.len(), cached: None };
+    let tolerance = work.writer.settings.tolerance * diagonal(rest);
+    let (fields, studies) = work.studied(times, tolerance)?;
+    let (mut playing, off) = work.planned(&fields, studies)?;
+    let off = worst(off, work.played(&mut playing)?);
+    Ok(work.finish(playing, off, tolerance)?)
+}
+
+fn check(times: &[f64], tolerance: f64) -> Result<(), BakeError> {
+    if !(tolerance > 0.0 && tolerance.is_finite()) {
+        return Err(BakeError::NoTolerance(tolerance));
+    }
+    let mut before = None;
+    for (frame, &time) in times.iter().enumerate() {
+        let seconds = time as f32;
+        if !(seconds.is_finite() && seconds >= 0.0 && before.is_none_or(|before| before < seconds)) {
+            let problem = "does not come after the one before it, or before second 0";
+            return Err(BakeError::Frame { frame, problem });
+        }
+        before = Some(seconds);
+    }
+    Ok(())
+}
+
+struct Work<'a, 'm, M> {
+    writer: Writer<'a>,
+    moments: &'m mut M,
+    /// How many frames were asked for.
+    frames: usize,
+    /// The last key pose, which several nodes may want.
+    cached: Option<Rc<Sample>>,
+}
+
+impl<M: Moments> Work<'_, '_, M> {
+    /// Looks at the whole motion.
+    fn studied(&mut self, times: &[f64], tolerance: f64) -> Result<(Vec<Field>, Vec<Study>), M::Error> {
+        let Self { writer, moments, frames, .. } = self;
+        let fields =
+            writer.nodes.iter().map(|node| Field::new(writer.rest, node, |block| writer.is_mapped(block)));
+        let fields: Vec<Field> = fields.collect();
+        let room: Vec<usize> = writer.nodes.iter().map(|node| writer.settings.room(node.own)).collect();
+        let mut studies = Study::all(&fields, &room, writer.rest, &writer.settings, diagonal(writer.rest));
+        let areas = Areas::new(writer.rest);
+        let (mut stuck, mut done) = (0, 0);
+        let mut look = |time: f64| -> Result<Look, M::Error> {
+            let frame = moments.at(time)?;
+            let sample = writer.sample(done, time, &frame)?;
+            let growth = areas.growth(writer.rest, &frame.moment.positions, frame.positions);
+            if times.get(done).is_some_and(|frame| *frame == time) {
+                done += 1;
+                moments.progress(done, 2 * *frames);
+            }
+            stuck = stuck.max(sample.stuck);
+            Ok(Look::new(sample, &fields, growth))
+        };
+        let mut take = |look: &Look| -> Result<(), M::Error> {
+            for (node, (study, places)) in studies.iter_mut().zip(&look.places).enumerate() {
+                let (rests, own) = (!writer.moves(node, &look.sample), writer.own_weights(node, &look.sample));
+                let directions = fields[node].directions(&look.sample, &look.growth);
+                study.push(look.sample.time, rests, own, places, &directions);
+            }
+            Ok(())
+        };
+        looked(times, OF_WAYS * tolerance, &mut look, &mut take)?;
+        self.writer.stuck = stuck;
+        Ok((fields, studies))
+    }
+
+    /// Chooses what each node plays.
+    fn planned(&self, fields: &[Field], studies: Vec<Study>) -> Result<(Vec<Playing>, Off), BakeError> {
+        let mut off = Off::default();
+        let mut playing = Vec::with_capacity(studies.len());
+        for (node, mut study) in studies.into_iter().enumerate() {
+            let own = self.writer.nodes[node].own;
+            let plan = study.plan(self.writer.settings.room(own));
+            let plan = plan.map_err(|short| short.error(self.writer.mesh_name(node), own, &self.writer.settings))?;
+            let (one, error) = Playing::new((node, &fields[node]), study, plan);
+            off.metres = off.metres.max(error);
+            playing.push(one);
+        }
+        Ok((playing, off))
+    }
+
+    /// Writes key poses, and looks between samples how far what is shown is off.
+    fn played(&mut self, playing: &mut [Playing]) -> Result<Off, M::Error> {
+        let times: Vec<f64> =
+            playing.first().map_or_else(Vec::new, |one| one.study.seen.iter().map(|seen| seen.time).collect());
+        let mut off = Off::default();
+        for (index, pair) in times.windows(2).enumerate() {
+            let time = pair[0] + BETWEEN * (pair[1] - pair[0]);
+            self.keys_up_to(playing, time)?;
+            let frame = self.moments.at(time)?;
+            let sample = self.writer.sample(index, time, &frame)?;
+            for one in playing.iter() {
+                off = worst(off, one.off(&self.writer.nodes[one.node].blocks, &frame, &sample, index));
+            }
+            let done = self.frames + (index + 1) * self.frames / times.len();
+            self.moments.progress(done, 2 * self.frames);
+        }
+        self.keys_up_to(playing, f64::INFINITY)?;
+        self.moments.progress(2 * self.frames, 2 * self.frames);
+        Ok(off)
+    }
+
+    /// Writes the key poses that are needed to know what is shown at a time.
+    fn keys_up_to(&mut self, playing: &mut [Playing], seconds: f64) -> Result<(), M::Error> {
+        for one in playing {
+            while let Some(time) = one.wanted(seconds) {
+                let known = self.cached.as_ref().filter(|sample| sample.time == time);
+                let sample = match known {
+                    Some(known) => Rc::clone(known),
+                    None => Rc::new(self.writer.sample(0, time, &self.moments.at(time)?)?),
+                };
+                self.cached = Some(Rc::clone(&sample));
+                one.write_key(&mut self.writer, &sample)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self, playing: Vec<Playing>, off: Off, tolerance: f64) -> Result<Baked, BakeError> {
+        let mut writer = self.writer;
+        let diagonal = diagonal(writer.rest);
+        let mut clips = Vec::with_capacity(playing.len());
+        let mut nodes = Vec::new();
+        let samples = playing.first().map_or(0, |one| one.study.seen.len());
+        for one in playing {
+            let bake = match one.way {
+                Way::Still => None,
+                Way::Keys(_) => Some(Bake::Keys),
+                Way::Basis(_) => Some(Bake::Basis),
+            };
+            let (node, targets) = (writer.nodes[one.node].node, one.target_count());
+            let clip = one.clip(&mut writer, tolerance)?;
+            let keys = clip.track.times.as_ref().map_or(0, Vec::len);
+            nodes.extend(bake.filter(|_| targets > 0).map(|bake| NodeBake { node, bake, targets, keys }));
+            clips.push(clip);
+        }
+        if off.metres > tolerance {
+            let message = format!(
+                "at {:.3} s a vertex is {:.2e} m off, and {tolerance:.2e} m are allowed: the motion jumps there, or is too fast to be \
+                 followed",
+                off.seconds, off.metres
+            );
+            writer.gltf.warn("tolerance", message);
+        }
+        let of_diagonal = if diagonal > 0.0 { off.metres / diagonal } else { 0.0 };
+        let played = Played {
+            error: off.metres,
+            of_diagonal,
+            normals: off.radians,
+            samples,
+            nodes,
+        };
+        Ok(Baked { played: Some(played), ..writer.finish(&[0.0], clips)? })
+    }
+}

@@ -1,0 +1,205 @@
+//! What is learned of a node while its samples come in, and what it is to play in the end: key poses, a basis, or nothing.
+
+use wirework_asset::Rest;
+
+use crate::error::BakeError;
+use crate::field::Field;
+use crate::principal::{Basis, Choice};
+use crate::settings::{Bake, Settings};
+use crate::span::Keys;
+use crate::subspace::Subspace;
+use crate::vectors::Vector;
+
+/// The part of the tolerance that poses may be off, and how nearly exact their coordinates are: what is left is for the ways between
+/// samples.
+pub(crate) const OF_POSES: f64 = 0.7;
+const EXACT: f64 = 0.1;
+
+/// Where frames rest, this part of the diagonal is allowed.
+const AT_REST: f64 = 1e-7;
+
+/// Floats are no more exact than this part of the greatest coordinate; what is less is noise, of which every pose has its own.
+const NOISE: f64 = 3e-7;
+
+/// Up to so many targets no engine minds, and the fewest bytes count; beyond it the fewest targets.
+const FEW: usize = 16;
+
+/// The memory that the shapes of all nodes may take.
+const SHAPES: usize = 384 << 20;
+
+/// A basis is given up where it has so many times the shapes that there is room for: the poses have far more of them then than the
+/// tolerance needs.
+const SPARE: usize = 2;
+
+/// Bytes of a displacement, and of a place and a displacement.
+const DENSE: usize = 12;
+const SPARSE: usize = 16;
+
+/// What a node is to play.
+#[derive(Debug)]
+pub(crate) enum Plan {
+    /// Nothing: it rests, or moves less than the tolerance.
+    Still,
+    /// These samples, linear in between; how far others are off at most, metres.
+    Keys(Vec<usize>, f64),
+    Basis(Basis),
+}
+
+/// One node over time.
+#[derive(Debug)]
+pub(crate) struct Study {
+    /// How many vertices the node has.
+    count: usize,
+    subspace: Option<Subspace>,
+    keys: Option<Keys>,
+    /// What each sample has.
+    pub(crate) seen: Vec<Seen>,
+    /// Metres.
+    tolerance: f64,
+}
+
+#[derive(Debug)]
+pub(crate) struct Seen {
+    pub(crate) time: f64,
+    pub(crate) rests: bool,
+    /// The weights of the mesh's own targets.
+    pub(crate) own: Vec<f32>,
+    /// Of the displacements: equal ones have equal ones.
+    hash: u64,
+    /// How many vertices move.
+    moved: usize,
+}
+
+impl Study {
+    /// One for each node of `fields`; `room` is how many targets each may get, `diagonal` the rest's, metres.
+    pub(crate) fn all(fields: &[Field], room: &[usize], rest: &Rest, settings: &Settings, diagonal: f64) -> Vec<Self> {
+        let tolerance = settings.tolerance * diagonal;
+        let numbers = rest.positions.as_flattened().iter();
+        let noise = NOISE * numbers.fold(0.0_f64, |most, c| most.max(f64::from(c.abs())));
+        let vectors: usize = fields.iter().map(|field| field.count + field.turns).sum();
+        let fit = SHAPES / (size_of::<Vector>() * vectors.max(1));
+        let study = |(field, room): (&Field, &usize)| {
+            let limit = fit.min(room.saturating_mul(SPARE)).max(1);
+            let subspace = Subspace::new(field.turns, (EXACT * tolerance).max(noise), limit);
+            let keys = Keys::new(OF_POSES * tolerance, AT_REST * diagonal);
+            Self {
+                subspace: (settings.bake != Bake::Keys).then_some(subspace),
+                keys: (settings.bake != Bake::Basis).then_some(keys),
+                count: field.count,
+                seen: Vec::new(),
+                tolerance,
+            }
+        };
+        fields.iter().zip(room).map(study).collect()
+    }
+
+    /// Takes the next sample: its displacements, what it adds to directions, the weights of the mesh's own targets.
+    pub(crate) fn push(&mut self, time: f64, rests: bool, own: Vec<f32>, places: &[Vector], directions: &[Vector]) {
+        let moved = places.iter().filter(|d| **d != [0.0; 3]).count();
+        self.seen.push(Seen { time, rests, own, hash: hash(places), moved });
+        if let Some(keys) = &mut self.keys {
+            keys.push(time, places.to_vec(), rests);
+        }
+        if self.subspace.as_mut().is_some_and(|subspace| !subspace.push(places.to_vec(), directions)) {
+            self.subspace = None;
+        }
+    }
+
+    /// What to play, with at most `room` targets.
+    pub(crate) fn plan(&mut self, room: usize) -> Result<Plan, Short> {
+        let rests: Vec<bool> = self.seen.iter().map(|seen| seen.rests).collect();
+        let keys = self.keys.take().map(Keys::finish);
+        let subspace = self.subspace.take();
+        if rests.iter().all(|rests| *rests) {
+            return Ok(Plan::Still);
+        }
+        let choice = subspace.as_ref().map(|subspace| {
+            Choice::new(subspace, &rests, (OF_POSES * self.tolerance - subspace.left).max(0.0))
+        });
+        let of_keys = keys.as_ref().map(|(keys, _)| self.size_of_keys(keys));
+        let of_basis = choice.as_ref().zip(subspace.as_ref()).map(|(choice, subspace)| {
+            let targets = choice.count(&rests);
+            (targets, targets * encoded(subspace.moved(), self.count))
+        });
+        let fits = |size: Option<(usize, usize)>| size.filter(|(targets, _)| *targets <= room);
+        let basis_is_smaller = match (fits(of_keys), fits(of_basis)) {
+            (Some(keys), Some(basis)) if keys.0.max(basis.0) <= FEW => basis.1 < keys.1,
+            (Some(keys), Some(basis)) => basis.0 < keys.0,
+            (Some(_), None) => false,
+            (None, Some(_)) => true,
+            (None, None) => {
+                let within = choice.as_ref().zip(subspace.as_ref());
+                let within = within.map(|(choice, subspace)| choice.error_with(subspace, room));
+                return Err(self.short(of_keys, of_basis, within));
+            }
+        };
+        match (keys, choice.zip(subspace)) {
+            (_, Some((choice, subspace))) if basis_is_smaller => {
+                let basis = choice.basis(subspace, self.count, &rests);
+                Ok(if basis.shapes.is_empty() { Plan::Still } else { Plan::Basis(basis) })
+            }
+            (Some((keys, error)), _) => Ok(Plan::Keys(keys, error)),
+            _ => Ok(Plan::Still),
+        }
+    }
+
+    /// How many targets key poses are, and how many bytes their positions take.
+    fn size_of_keys(&self, keys: &[usize]) -> (usize, usize) {
+        let mut known = std::collections::BTreeSet::new();
+        let own = keys.iter().filter_map(|key| self.seen.get(*key)).filter(|seen| !seen.rests);
+        let new: Vec<&Seen> = own.filter(|seen| known.insert(seen.hash)).collect();
+        (new.len(), new.iter().map(|seen| encoded(seen.moved, self.count)).sum())
+    }
+
+    fn short(
+        &self,
+        keys: Option<(usize, usize)>,
+        basis: Option<(usize, usize)>,
+        within: Option<f64>,
+    ) -> Short {
+        let needs = [keys.map(|(keys, _)| format!("{keys} key poses")), basis.map(|(basis, _)| format!("a basis of {basis}"))];
+        let counts = [keys, basis].into_iter().flatten().map(|(targets, _)| targets);
+        let within = within.map(|error| error / OF_POSES / self.tolerance);
+        Short {
+            need: needs.into_iter().flatten().collect::<Vec<_>>().join(" or "),
+            targets: counts.min().unwrap_or(0),
+            within,
+        }
+    }
+}
+
+/// That there is not enough room.
+#[derive(Debug)]
+pub(crate) struct Short {
+    /// What is needed, in words.
+    need: String,
+    /// How many targets that are at least.
+    targets: usize,
+    /// At how many times the tolerance it would fit, where that is known.
+    within: Option<f64>,
+}
+
+impl Short {
+    pub(crate) fn error(self, mesh: String, own: usize, settings: &Settings) -> BakeError {
+        let Settings { tolerance, max_targets: limit, .. } = *settings;
+        let room = settings.room(own);
+        let raise = format!("`--max-targets {}` would do", self.targets + limit - room);
+        // A little more than is needed: sampling depends on the tolerance, too.
+        let relax = self.within.map(|times| format!("`--tolerance {:.1e}` fits", tolerance * (times * 1.1).max(1.1)));
+        let remedy = relax.map_or_else(|| raise.clone(), |relax| format!("{relax}, {raise}"));
+        BakeError::Tolerance { mesh, need: self.need, tolerance, room, own, limit, remedy }
+    }
+}
+
+/// About how many bytes displacements take of which so many are not 0.
+fn encoded(moved: usize, count: usize) -> usize {
+    (moved * SPARSE).min(count * DENSE)
+}
+
+/// Equal for equal lists, and hardly for others.
+fn hash(places: &[Vector]) -> u64 {
+    /// Odd, and its bits without a pattern.
+    const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
+    let step = |state: u64, value: &f32| (state.rotate_left(23) ^ u64::from((value + 0.0).to_bits())).wrapping_mul(FACTOR);
+    places.as_flattened().iter().fold(places.len() as u64, step)
+}
