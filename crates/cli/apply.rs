@@ -144,8 +144,8 @@ fn played(bake: &BakeReport) -> String {
         nodes => format!(", and no more on the other {} meshes", nodes - 1),
     };
     format!(
-        "{what}{meshes}; at most {:.1e} m, {:.1e} of the diagonal, off, normals {:.1}°",
-        bake.error, bake.error_of_diagonal, bake.normal_degrees
+        "{what}{meshes}; at most {:.1e} m, {:.1e} of the diagonal, off; normals {:.2}° in the mean, {:.0}° at most",
+        bake.error, bake.error_of_diagonal, bake.normal_mean_degrees, bake.normal_degrees
     )
 }
 

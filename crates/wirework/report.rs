@@ -63,8 +63,10 @@ pub struct BakeReport {
     pub error: f64,
     /// The same as a part of the model's diagonal.
     pub error_of_diagonal: f64,
-    /// By which angle a normal is off at most, degrees.
+    /// By which angle a normal is off at most, degrees. Where the surface folds over itself, or collapses, that may be large.
     pub normal_degrees: f64,
+    /// The mean angle of those that turn, degrees.
+    pub normal_mean_degrees: f64,
     /// How many moments were sampled: the frames, and more where the motion is not straight between them.
     pub samples: usize,
     /// What each node that moves plays.
@@ -97,6 +99,7 @@ impl From<Played> for BakeReport {
             error: played.error,
             error_of_diagonal: played.of_diagonal,
             normal_degrees: played.normals.to_degrees(),
+            normal_mean_degrees: played.normals_mean.to_degrees(),
             samples: played.samples,
             nodes: played.nodes.iter().map(node).collect(),
         }

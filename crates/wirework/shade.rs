@@ -8,8 +8,8 @@ use wirework_surface::{
     Corner, Mesh, MeshError, Normals, NormalsBuffer, NormalsError, Tangents, TangentsBuffer,
 };
 
-use crate::motion::Motion;
 use crate::joints::Joints;
+use crate::motion::Motion;
 use crate::weld::spread;
 
 /// Vertices as a file has them, at rest and at the present moment.

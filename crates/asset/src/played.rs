@@ -31,21 +31,38 @@ impl Rest {
         largest_of(self.blocks.get(block), |block, v| {
             let at = |list: &[[f32; 3]]| list.get(v).map_or(DVec3::ZERO, |delta| double(*delta));
             let apart = at(a) - at(b);
-            if apart == DVec3::ZERO { 0.0 } else { (block.frame.way(v).transpose.transpose() * apart).length() }
+            if apart == DVec3::ZERO {
+                0.0
+            } else {
+                (block.frame.way(v).transpose.transpose() * apart).length()
+            }
         })
     }
 
-    /// By which angle, radians, the normals that players show with `deltas` added to those of a block are off at most: against `now`, the
-    /// world normals of all vertices. Normals without a length are passed over; 0 where the block has none.
-    pub fn askew(&self, block: usize, deltas: &[[f32; 3]], now: &[[f32; 3]]) -> f64 {
-        largest_of(self.blocks.get(block), |block, v| {
-            let base = block.local_normals.as_ref().and_then(|list| list.get(v));
-            let (Some(base), Some(now)) = (base, now.get(block.first + v)) else { return 0.0 };
-            let delta = deltas.get(v).copied().unwrap_or_default();
+    /// By which angle, radians, the normals that players show with `deltas` added to those of a block are off: against `now`, the
+    /// world normals of all vertices. The largest, the sum of all, and how many were compared: those that either is not at rest of. Normals
+    /// without a length are passed over.
+    pub fn askew(&self, block: usize, deltas: &[[f32; 3]], now: &[[f32; 3]]) -> (f64, f64, usize) {
+        let none = (0.0, 0.0, 0);
+        let Some(block) = self.blocks.get(block) else { return none };
+        let at = |v: usize| -> Option<f64> {
+            let (base, rest) = (block.local_normals.as_ref()?.get(v)?, block.normals.as_ref()?.get(v)?);
+            let (delta, now) = (deltas.get(v).copied().unwrap_or_default(), now.get(block.first + v)?);
+            if delta == [0.0; 3] && now == rest {
+                return None;
+            }
             let shown = double(block.frame.way(v).normal(double(*base) + double(delta)));
             let now = double(*now);
-            if shown == DVec3::ZERO || now == DVec3::ZERO { 0.0 } else { shown.angle_between(now) }
-        })
+            (shown != DVec3::ZERO && now != DVec3::ZERO).then(|| shown.angle_between(now))
+        };
+        let piece = |start: usize| {
+            let angles = (start..(start + BLOCK).min(block.count)).filter_map(at);
+            angles.fold(none, |(most, sum, count), angle| (most.max(angle), sum + angle, count + 1))
+        };
+        // Sums are the same on any number of threads.
+        let starts: Vec<usize> = (0..block.count).step_by(BLOCK).collect();
+        let pieces: Vec<(f64, f64, usize)> = starts.into_par_iter().map(piece).collect();
+        pieces.into_iter().fold(none, |a, b| (a.0.max(b.0), a.1 + b.1, a.2 + b.2))
     }
 }
 
@@ -73,7 +90,8 @@ fn largest_of(block: Option<&Block>, at: impl Fn(&Block, usize) -> f64 + Sync) -
 /// The largest singular value. One of the columns to start from is not across the direction that is sought.
 fn largest(matrix: DMat3) -> f32 {
     let square = matrix * matrix.transpose();
-    let from = |start: DVec3| (0..STEPS).fold(start, |direction, _| square * direction.normalize_or_zero()).length();
+    let from =
+        |start: DVec3| (0..STEPS).fold(start, |direction, _| square * direction.normalize_or_zero()).length();
     [square.x_axis, square.y_axis, square.z_axis].into_iter().map(from).fold(0.0, f64::max).sqrt() as f32
 }
 

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use wirework_asset::{Gltf, Rest};
 
-use crate::areas::Areas;
 use crate::adapt::{Look, Moments, looked};
+use crate::areas::Areas;
 use crate::error::BakeError;
 use crate::field::Field;
 use crate::frames::Baker;
@@ -17,7 +17,7 @@ use crate::writer::{Baked, NodeBake, Played, Sample, Writer};
 /// The part of the tolerance by which the way between two samples may be off.
 const OF_WAYS: f64 = 0.25;
 
-/// Where between two samples it is looked how far players are off: not in the middle, where it has been looked before.
+/// Where between two frames it is looked how far players are off: not in the middle, where it has been looked before.
 const BETWEEN: f64 = 0.382;
 
 /// Bakes what `moments` shows at `times`, seconds that rise from 0, and in between, into morph targets of `gltf` and a clip.
@@ -45,11 +45,12 @@ pub fn bake<M: Moments>(
         return Ok(baker.finish()?);
     }
     check(times, settings.tolerance)?;
-    let mut work = Work { writer: Writer::new(gltf, rest, settings), moments, frames: times.len(), cached: None };
+    let mut work =
+        Work { writer: Writer::new(gltf, rest, settings), moments, frames: times.len(), cached: None };
     let tolerance = work.writer.settings.tolerance * diagonal(rest);
     let (fields, studies) = work.studied(times, tolerance)?;
     let (mut playing, off) = work.planned(&fields, studies)?;
-    let off = worst(off, work.played(&mut playing)?);
+    let off = worst(off, work.played(times, &mut playing)?);
     Ok(work.finish(playing, off, tolerance)?)
 }
 
@@ -102,9 +103,10 @@ impl<M: Moments> Work<'_, '_, M> {
         };
         let mut take = |look: &Look| -> Result<(), M::Error> {
             for (node, (study, places)) in studies.iter_mut().zip(&look.places).enumerate() {
-                let (rests, own) = (!writer.moves(node, &look.sample), writer.own_weights(node, &look.sample));
+                let (rests, own) =
+                    (!writer.moves(node, &look.sample), writer.own_weights(node, &look.sample));
                 let directions = fields[node].directions(&look.sample, &look.growth);
-                study.push(look.sample.time, rests, own, places, &directions);
+                study.push(look.sample.time, rests, own, places, directions);
             }
             Ok(())
         };
@@ -120,7 +122,8 @@ impl<M: Moments> Work<'_, '_, M> {
         for (node, mut study) in studies.into_iter().enumerate() {
             let own = self.writer.nodes[node].own;
             let plan = study.plan(self.writer.settings.room(own));
-            let plan = plan.map_err(|short| short.error(self.writer.mesh_name(node), own, &self.writer.settings))?;
+            let plan =
+                plan.map_err(|short| short.error(self.writer.mesh_name(node), own, &self.writer.settings))?;
             let (one, error) = Playing::new((node, &fields[node]), study, plan);
             off.metres = off.metres.max(error);
             playing.push(one);
@@ -128,10 +131,8 @@ impl<M: Moments> Work<'_, '_, M> {
         Ok((playing, off))
     }
 
-    /// Writes key poses, and looks between samples how far what is shown is off.
-    fn played(&mut self, playing: &mut [Playing]) -> Result<Off, M::Error> {
-        let times: Vec<f64> =
-            playing.first().map_or_else(Vec::new, |one| one.study.seen.iter().map(|seen| seen.time).collect());
+    /// Writes key poses, and looks between frames how far what is shown is off.
+    fn played(&mut self, times: &[f64], playing: &mut [Playing]) -> Result<Off, M::Error> {
         let mut off = Off::default();
         for (index, pair) in times.windows(2).enumerate() {
             let time = pair[0] + BETWEEN * (pair[1] - pair[0]);
@@ -139,7 +140,7 @@ impl<M: Moments> Work<'_, '_, M> {
             let frame = self.moments.at(time)?;
             let sample = self.writer.sample(index, time, &frame)?;
             for one in playing.iter() {
-                off = worst(off, one.off(&self.writer.nodes[one.node].blocks, &frame, &sample, index));
+                off = worst(off, one.off(&self.writer.nodes[one.node].blocks, &frame, &sample));
             }
             let done = self.frames + (index + 1) * self.frames / times.len();
             self.moments.progress(done, 2 * self.frames);
@@ -196,6 +197,7 @@ impl<M: Moments> Work<'_, '_, M> {
             error: off.metres,
             of_diagonal,
             normals: off.radians,
+            normals_mean: off.all.0 / off.all.1.max(1) as f64,
             samples,
             nodes,
         };

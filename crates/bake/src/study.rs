@@ -13,7 +13,7 @@ use crate::vectors::Vector;
 /// The part of the tolerance that poses may be off, and how nearly exact their coordinates are: what is left is for the ways between
 /// samples.
 pub(crate) const OF_POSES: f64 = 0.7;
-const EXACT: f64 = 0.1;
+const EXACT: f64 = 0.15;
 
 /// Where frames rest, this part of the diagonal is allowed.
 const AT_REST: f64 = 1e-7;
@@ -27,9 +27,10 @@ const FEW: usize = 16;
 /// The memory that the shapes of all nodes may take.
 const SHAPES: usize = 384 << 20;
 
-/// A basis is given up where it has so many times the shapes that there is room for: the poses have far more of them then than the
-/// tolerance needs.
+/// A basis is given up where it has so many times the shapes that there is room for, and more than so many: too few of them can be
+/// left out in the end. What has room for few is to hear what it needs, though.
 const SPARE: usize = 2;
+const MANY: usize = 96;
 
 /// Bytes of a displacement, and of a place and a displacement.
 const DENSE: usize = 12;
@@ -72,14 +73,20 @@ pub(crate) struct Seen {
 
 impl Study {
     /// One for each node of `fields`; `room` is how many targets each may get, `diagonal` the rest's, metres.
-    pub(crate) fn all(fields: &[Field], room: &[usize], rest: &Rest, settings: &Settings, diagonal: f64) -> Vec<Self> {
+    pub(crate) fn all(
+        fields: &[Field],
+        room: &[usize],
+        rest: &Rest,
+        settings: &Settings,
+        diagonal: f64,
+    ) -> Vec<Self> {
         let tolerance = settings.tolerance * diagonal;
         let numbers = rest.positions.as_flattened().iter();
         let noise = NOISE * numbers.fold(0.0_f64, |most, c| most.max(f64::from(c.abs())));
         let vectors: usize = fields.iter().map(|field| field.count + field.turns).sum();
         let fit = SHAPES / (size_of::<Vector>() * vectors.max(1));
         let study = |(field, room): (&Field, &usize)| {
-            let limit = fit.min(room.saturating_mul(SPARE)).max(1);
+            let limit = fit.min(room.saturating_mul(SPARE).max(MANY)).max(1);
             let subspace = Subspace::new(field.turns, (EXACT * tolerance).max(noise), limit);
             let keys = Keys::new(OF_POSES * tolerance, AT_REST * diagonal);
             Self {
@@ -94,7 +101,14 @@ impl Study {
     }
 
     /// Takes the next sample: its displacements, what it adds to directions, the weights of the mesh's own targets.
-    pub(crate) fn push(&mut self, time: f64, rests: bool, own: Vec<f32>, places: &[Vector], directions: &[Vector]) {
+    pub(crate) fn push(
+        &mut self,
+        time: f64,
+        rests: bool,
+        own: Vec<f32>,
+        places: &[Vector],
+        directions: Vec<Vector>,
+    ) {
         let moved = places.iter().filter(|d| **d != [0.0; 3]).count();
         self.seen.push(Seen { time, rests, own, hash: hash(places), moved });
         if let Some(keys) = &mut self.keys {
@@ -109,7 +123,7 @@ impl Study {
     pub(crate) fn plan(&mut self, room: usize) -> Result<Plan, Short> {
         let rests: Vec<bool> = self.seen.iter().map(|seen| seen.rests).collect();
         let keys = self.keys.take().map(Keys::finish);
-        let subspace = self.subspace.take();
+        let subspace = self.subspace.take().and_then(Subspace::finish);
         if rests.iter().all(|rests| *rests) {
             return Ok(Plan::Still);
         }
@@ -157,7 +171,10 @@ impl Study {
         basis: Option<(usize, usize)>,
         within: Option<f64>,
     ) -> Short {
-        let needs = [keys.map(|(keys, _)| format!("{keys} key poses")), basis.map(|(basis, _)| format!("a basis of {basis}"))];
+        let needs = [
+            keys.map(|(keys, _)| format!("{keys} key poses")),
+            basis.map(|(basis, _)| format!("a basis of {basis}")),
+        ];
         let counts = [keys, basis].into_iter().flatten().map(|(targets, _)| targets);
         let within = within.map(|error| error / OF_POSES / self.tolerance);
         Short {
@@ -185,7 +202,8 @@ impl Short {
         let room = settings.room(own);
         let raise = format!("`--max-targets {}` would do", self.targets + limit - room);
         // A little more than is needed: sampling depends on the tolerance, too.
-        let relax = self.within.map(|times| format!("`--tolerance {:.1e}` fits", tolerance * (times * 1.1).max(1.1)));
+        let relax =
+            self.within.map(|times| format!("`--tolerance {:.1e}` fits", tolerance * (times * 1.1).max(1.1)));
         let remedy = relax.map_or_else(|| raise.clone(), |relax| format!("{relax}, {raise}"));
         BakeError::Tolerance { mesh, need: self.need, tolerance, room, own, limit, remedy }
     }
@@ -200,6 +218,8 @@ fn encoded(moved: usize, count: usize) -> usize {
 fn hash(places: &[Vector]) -> u64 {
     /// Odd, and its bits without a pattern.
     const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
-    let step = |state: u64, value: &f32| (state.rotate_left(23) ^ u64::from((value + 0.0).to_bits())).wrapping_mul(FACTOR);
+    let step = |state: u64, value: &f32| {
+        (state.rotate_left(23) ^ u64::from((value + 0.0).to_bits())).wrapping_mul(FACTOR)
+    };
     places.as_flattened().iter().fold(places.len() as u64, step)
 }

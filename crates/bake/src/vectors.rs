@@ -6,61 +6,113 @@ use rayon::prelude::*;
 pub(crate) type Vector = [f32; 3];
 
 /// So many vectors are worked on by one thread at a time: what is needed of them stays in its cache.
-pub(crate) const PIECE: usize = 1 << 13;
+pub(crate) const PIECE: usize = 1 << 12;
 
-/// How many sums run side by side: as wide as vectors of float64 get.
-const LANES: usize = 8;
+/// So many are worked on while several lists are held against each other.
+const SLICE: usize = 1 << 9;
 
-/// The scalar products of `x` with each of `basis`.
-pub(crate) fn products(basis: &[Vec<Vector>], x: &[Vector]) -> Vec<f64> {
-    let piece = |(k, x): (usize, &[Vector])| -> Vec<f64> {
-        let range = k * PIECE..k * PIECE + x.len();
-        basis.iter().map(|q| q.get(range.clone()).map_or(0.0, |q| product(q, x))).collect()
+/// How many products are summed side by side.
+const LANES: usize = 16;
+
+/// Sums of so many products in float32 go on in float64.
+const SHORT: usize = 64;
+
+/// The scalar products of each of `lists` with each of `basis`, in float64, of products in float32.
+pub(crate) fn products(basis: &[Vec<Vector>], lists: &[Vec<Vector>]) -> Vec<Vec<f64>> {
+    let count = lists.first().map_or(0, Vec::len);
+    let piece = |start: usize| {
+        let mut sums = vec![vec![0.0_f64; basis.len()]; lists.len()];
+        for range in slices(start, count) {
+            for (k, shape) in basis.iter().enumerate() {
+                for (list, sums) in lists.iter().zip(&mut sums) {
+                    sums[k] += product(&shape[range.clone()], &list[range.clone()]);
+                }
+            }
+        }
+        sums
     };
-    let pieces: Vec<Vec<f64>> = x.par_chunks(PIECE).enumerate().map(piece).collect();
-    let mut sums = vec![0.0; basis.len()];
-    for piece in pieces {
-        sums.iter_mut().zip(piece).for_each(|(sum, part)| *sum += part);
+    let pieces: Vec<Vec<Vec<f64>>> = starts(count).map(piece).collect();
+    let mut sums = vec![vec![0.0; basis.len()]; lists.len()];
+    for part in pieces.iter().flat_map(|piece| piece.iter().enumerate()) {
+        sums[part.0].iter_mut().zip(part.1).for_each(|(sum, part)| *sum += part);
     }
     sums
+}
+
+fn starts(count: usize) -> impl IndexedParallelIterator<Item = usize> {
+    (0..count.div_ceil(PIECE)).into_par_iter().map(|k| k * PIECE)
+}
+
+/// The slices of the piece that starts there.
+fn slices(start: usize, count: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
+    let end = (start + PIECE).min(count);
+    (start..end).step_by(SLICE).map(move |first| first..(first + SLICE).min(end))
 }
 
 fn product(a: &[Vector], b: &[Vector]) -> f64 {
     let ((a, a_rest), (b, b_rest)) =
         (a.as_flattened().as_chunks::<LANES>(), b.as_flattened().as_chunks::<LANES>());
-    let mut sums = [0.0_f64; LANES];
-    for (a, b) in a.iter().zip(b) {
-        for lane in 0..LANES {
-            sums[lane] += f64::from(a[lane]) * f64::from(b[lane]);
+    let mut sum = 0.0;
+    for (a, b) in a.chunks(SHORT).zip(b.chunks(SHORT)) {
+        let mut lanes = [0.0_f32; LANES];
+        for (a, b) in a.iter().zip(b) {
+            for lane in 0..LANES {
+                lanes[lane] += a[lane] * b[lane];
+            }
         }
+        sum += lanes.iter().map(|lane| f64::from(*lane)).sum::<f64>();
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
-    sums.iter().sum::<f64>() + rest
+    sum + a_rest.iter().zip(b_rest).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>()
 }
 
-/// Takes from `x` the parts `c` along `basis`. Gives the length of the longest vector that is left.
-pub(crate) fn subtract(x: &mut [Vector], basis: &[Vec<Vector>], c: &[f64]) -> f64 {
-    let piece = |(k, x): (usize, &mut [Vector])| {
-        let range = k * PIECE..k * PIECE + x.len();
-        let mut left: Vec<f64> = x.as_flattened().iter().map(|v| f64::from(*v)).collect();
-        for (q, c) in basis.iter().zip(c) {
-            let q = q.get(range.clone()).unwrap_or_default().as_flattened();
-            left.iter_mut().zip(q).for_each(|(left, q)| *left -= c * f64::from(*q));
+/// Takes from each of `lists` the parts along `basis` that its factors say. Gives for each the length of the longest vector that is left.
+pub(crate) fn subtract(lists: &mut [Vec<Vector>], basis: &[Vec<Vector>], factors: &[Vec<f64>]) -> Vec<f64> {
+    let count = lists.first().map_or(0, Vec::len);
+    let mut pieces: Vec<Vec<&mut [Vector]>> = (0..count.div_ceil(PIECE)).map(|_| Vec::new()).collect();
+    for list in lists.iter_mut() {
+        pieces.iter_mut().zip(list.chunks_mut(PIECE)).for_each(|(piece, part)| piece.push(part));
+    }
+    let lists = factors.len();
+    let piece = |(k, mut parts): (usize, Vec<&mut [Vector]>)| {
+        let mut longest_left = vec![0.0_f64; lists];
+        for range in slices(k * PIECE, count) {
+            let own = range.start - k * PIECE..range.end - k * PIECE;
+            let double = |part: &&mut [Vector]| -> Vec<f64> {
+                part[own.clone()].as_flattened().iter().map(|x| f64::from(*x)).collect()
+            };
+            let mut left: Vec<Vec<f64>> = parts.iter().map(double).collect();
+            for (k, shape) in basis.iter().enumerate() {
+                let shape = shape[range.clone()].as_flattened();
+                for (left, factors) in left.iter_mut().zip(factors) {
+                    let factor = factors[k];
+                    left.iter_mut().zip(shape).for_each(|(left, x)| *left -= factor * f64::from(*x));
+                }
+            }
+            for ((part, left), most) in parts.iter_mut().zip(left).zip(&mut longest_left) {
+                let part = &mut part[own.clone()];
+                part.as_flattened_mut().iter_mut().zip(left).for_each(|(x, left)| *x = left as f32);
+                *most = most.max(longest(part));
+            }
         }
-        x.as_flattened_mut().iter_mut().zip(&left).for_each(|(x, left)| *x = *left as f32);
-        longest(x)
+        longest_left
     };
-    x.par_chunks_mut(PIECE).enumerate().map(piece).reduce(|| 0.0, f64::max)
+    let pieces = pieces.into_par_iter().enumerate().map(piece);
+    pieces.reduce(|| vec![0.0; lists], |a, b| a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect())
 }
 
-/// `x += f·y`.
-pub(crate) fn add(x: &mut [Vector], f: f64, y: &[Vector]) {
-    let piece = |(x, y): (&mut [Vector], &[Vector])| {
-        for (x, y) in x.as_flattened_mut().iter_mut().zip(y.as_flattened()) {
-            *x = (f64::from(*x) + f * f64::from(*y)) as f32;
+/// Adds all `lists` to each of `sums`, each by its factor for it: `factors` has those of a list for all sums. A list without one adds nothing.
+pub(crate) fn add(sums: &mut [Vec<Vector>], lists: &[Vec<Vector>], factors: &[Vec<f64>]) {
+    sums.par_iter_mut().enumerate().for_each(|(k, sum)| {
+        let own: Vec<(f32, &Vec<Vector>)> =
+            lists.iter().zip(factors).filter_map(|(list, own)| Some((*own.get(k)? as f32, list))).collect();
+        for (slice, part) in sum.chunks_mut(SLICE).enumerate() {
+            let range = slice * SLICE..slice * SLICE + part.len();
+            for (factor, list) in &own {
+                let list = list[range.clone()].as_flattened();
+                part.as_flattened_mut().iter_mut().zip(list).for_each(|(sum, x)| *sum += factor * x);
+            }
         }
-    };
-    x.par_chunks_mut(PIECE).zip(y.par_chunks(PIECE)).for_each(piece);
+    });
 }
 
 /// The sum of `list`, each by its factor; of `count` vectors.

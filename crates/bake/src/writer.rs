@@ -96,12 +96,15 @@ pub struct Baked {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Played {
-    /// How far a vertex is off at most, metres: a bound where the motion was sampled, and measured between samples.
+    /// How far a vertex is off at most, metres: a bound where the motion was sampled, and measured between frames.
     pub error: f64,
     /// The same as a part of the diagonal of the rest's bounds.
     pub of_diagonal: f64,
-    /// By which angle a normal is off at most, radians, measured between samples.
+    /// By which angle a normal is off at most, radians, measured between frames. Where the surface folds over itself, or collapses, it
+    /// may be large.
     pub normals: f64,
+    /// The mean angle of those that turn.
+    pub normals_mean: f64,
     /// How many moments the motion was sampled at: frames, and moments between frames where it is not straight there.
     pub samples: usize,
     /// What each node that moves plays.
