@@ -176,7 +176,7 @@ struct Hanging<'a> {
 
 impl<'a> Hanging<'a> {
     fn new(wires: &'a [Wire], weights: &Weights, name: impl Fn(usize) -> String) -> Result<Self, JobError> {
-        let gains = gains(wires.len(), weights).map_err(|wire| {
+        let gains = gains(wires, weights).map_err(|wire| {
             refused(&format!("`{}.amplitude` is below 0 at some places and above at others", name(wire)))
         })?;
         let starts: Vec<usize> = wires
@@ -290,25 +290,26 @@ impl<'a> Hanging<'a> {
 /// # Errors
 ///
 /// A wire whose weights have both signs.
-fn gains(wires: usize, weights: &Weights) -> Result<Vec<f64>, usize> {
+fn gains(wires: &[Wire], weights: &Weights) -> Result<Vec<f64>, usize> {
     // The sum of a wire's weights at a point, wire by wire.
     let sums = |point: usize| {
         let of_wires = weights.of(point).chunk_by(|a, b| a.wire == b.wire);
         of_wires.map(|own| (own[0].wire as usize, own.iter().map(|part| part.weight).sum::<f64>()))
     };
     let points = 0..weights.point_count();
-    let (mut least, mut most) = (vec![0.0_f64; wires], vec![0.0_f64; wires]);
+    let (mut least, mut most) = (vec![0.0_f64; wires.len()], vec![0.0_f64; wires.len()]);
     for (wire, sum) in points.clone().flat_map(sums) {
         (least[wire], most[wire]) = (least[wire].min(sum), most[wire].max(sum));
     }
-    let mut gains = Vec::with_capacity(wires);
+    let mut gains = Vec::with_capacity(wires.len());
     for (wire, (least, most)) in least.into_iter().zip(most).enumerate() {
         let size = most.max(-least);
         // Rounding has no sign.
         if least < -LEAST * size.max(1.0) && most > LEAST * size.max(1.0) {
             return Err(wire);
         }
-        let gain = if size > WHOLE { size } else { 1.0 };
+        // No weight is larger than the amplitude, which is a number that means something.
+        let gain = if size > WHOLE { amplitude(&wires[wire]).max(size / WHOLE) } else { 1.0 };
         gains.push(if most >= -least { gain } else { -gain });
     }
     let all = |point: usize| sums(point).map(|(wire, sum)| sum / gains[wire]).sum::<f64>();
@@ -317,6 +318,13 @@ fn gains(wires: usize, weights: &Weights) -> Result<Vec<f64>, usize> {
         gains.iter_mut().for_each(|gain| *gain *= together);
     }
     Ok(gains)
+}
+
+/// The largest amplitude along a wire, whatever its sign.
+fn amplitude(wire: &Wire) -> f64 {
+    let carried =
+        wire.locators.iter().filter_map(|locator| locator.amplitude).reduce(|a, b| a.abs().max(b.abs()));
+    f64::from(carried.unwrap_or(wire.amplitude).abs())
 }
 
 /// Where the joints of a wire are.
