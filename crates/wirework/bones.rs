@@ -88,7 +88,7 @@ impl Film<'_> {
         let animated = if self.motion.evaluation.lone_limb().is_some() {
             self.limb(job, gltf, rest, &point_of)
         } else {
-            self.wires(job, gltf, rest, &point_of)
+            self.wires(job, gltf, &rest, &point_of)
         };
         let Animated { mut gltf, rest, baker, mut skeleton, mut warnings } = animated?;
         let posed = self.motion.evaluation.is_posed();

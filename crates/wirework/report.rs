@@ -61,7 +61,7 @@ pub struct Skeleton {
     pub joints: usize,
     /// How many of them were made for it.
     pub made: usize,
-    /// On how many joints a vertex hangs at most, of those that were made skins for; 0 on a skin of the model's own, and of limbs.
+    /// On how many joints a vertex hangs at most, of wires; 0 for a limb.
     pub influences: usize,
     /// How many times as far as the control points of each wire its joints go: 1 but for amplitudes below 0 or above 1, and for wires
     /// that add up (`crossing: 1`). Empty for a limb.

@@ -111,10 +111,11 @@ pub(crate) fn weights(
         curves.push(factors(kind, closed, count).ok_or(WeightsError::CatmullRom { wire: number })?);
     }
     let tile = |tile: usize| {
-        let pull = |(number, ((bound, wire), factors)): (usize, ((&BoundWire, &Wire), &Vec<Vec<Factor>>))| {
-            Some(Pull::new(number, (bound, wire), bound.runs.of_tile(tile)?, factors))
+        let pull = |number: usize| {
+            let runs = bound[number].runs.of_tile(tile)?;
+            Some(Pull::new(number, (&bound[number], &wires[number]), runs, &curves[number]))
         };
-        let pulls: Vec<Pull> = bound.iter().zip(wires).zip(&curves).enumerate().filter_map(pull).collect();
+        let pulls: Vec<Pull> = (0..wires.len()).filter_map(pull).collect();
         rows(&pulls, blend, tile * TILE, (points - tile * TILE).min(TILE))
     };
     // In their order, so that of several faults always the same one is told.
@@ -207,27 +208,16 @@ fn polynomial([a, b, c, d]: &[f64; 4], t: f64) -> f64 {
 
 /// The weights of the `count` points of a tile, of which `first` is the first.
 fn rows(pulls: &[Pull], blend: &Blend, first: usize, count: usize) -> Result<Vec<Vec<Weight>>, WeightsError> {
-    let mut shares: Vec<Vec<f64>> = vec![vec![0.0; count]; pulls.len()];
-    for point in 0..count {
-        let reach: Vec<usize> = (0..pulls.len()).filter(|k| pulls[*k].influence[point] > 0.0).collect();
-        if let [a, b, ..] = reach[..]
-            && blend.localize != 1.0
-            && blend.crossing != 1.0
-        {
-            let wires = [pulls[a].wire, pulls[b].wire];
-            return Err(WeightsError::Blend { wires, point: first + point });
-        }
-        let local = local_shares(pulls, &reach, blend, point);
-        for (k, local) in reach.iter().zip(local) {
-            let alone = reach.len() == 1;
-            shares[*k][point] = if alone { 1.0 } else { (1.0 - f64::from(blend.localize)) + local };
-        }
-    }
+    let shares = |point| {
+        shares(pulls, blend, point).map_err(|wires| WeightsError::Blend { wires, point: first + point })
+    };
+    let shares = (0..count).map(shares).collect::<Result<Vec<_>, _>>()?;
     let mut out: Vec<Vec<Weight>> = vec![Vec::new(); count];
-    for (pull, shares) in pulls.iter().zip(&shares) {
+    for (k, pull) in pulls.iter().enumerate() {
         for (index, part) in &pull.parts {
             let point = usize::from(*index);
-            out[point].push(Weight { weight: part.weight * shares[point], ..*part });
+            let share = shares[point].iter().find(|(own, _)| *own == k).map_or(0.0, |(_, share)| *share);
+            out[point].push(Weight { weight: part.weight * share, ..*part });
         }
     }
     for row in &mut out {
@@ -243,6 +233,25 @@ fn rows(pulls: &[Pull], blend: &Blend, first: usize, count: usize) -> Result<Vec
         row.retain(|part| part.weight != 0.0);
     }
     Ok(out)
+}
+
+/// The wires that reach a point, and their shares there.
+///
+/// # Errors
+///
+/// Two wires whose shares depend on how far they move.
+fn shares(pulls: &[Pull], blend: &Blend, point: usize) -> Result<Vec<(usize, f64)>, [usize; 2]> {
+    let reach: Vec<usize> = (0..pulls.len()).filter(|k| pulls[*k].influence[point] > 0.0).collect();
+    match reach[..] {
+        [alone] => return Ok(vec![(alone, 1.0)]),
+        [a, b, ..] if blend.localize != 1.0 && blend.crossing != 1.0 => {
+            return Err([pulls[a].wire, pulls[b].wire]);
+        }
+        _ => {}
+    }
+    let plain = 1.0 - f64::from(blend.localize);
+    let local = local_shares(pulls, &reach, blend, point);
+    Ok(reach.into_iter().zip(local).map(|(k, local)| (k, plain + local)).collect())
 }
 
 /// The shares of wires that reach a point in the local part of the blend, times how much that counts.

@@ -41,7 +41,7 @@ impl Film<'_> {
         &mut self,
         job: &Job<'_>,
         mut gltf: Gltf,
-        rest: Rest,
+        rest: &Rest,
         point_of: &[u32],
     ) -> Result<Animated, JobError> {
         let net = self.motion.is_net();
@@ -57,9 +57,9 @@ impl Film<'_> {
         let mut wires: Vec<Wire> = deform.wires.iter().map(at_start).collect();
         let weights = stage.weights(&wires).map_err(|error| refused(&told(&error, name)))?;
         let hanging = Hanging::new(&wires, &weights, name)?;
-        let shown = shown(&gltf, &rest, |vertex| hanging.is_moved(point_of[vertex]))?;
+        let shown = shown(&gltf, rest, |vertex| hanging.is_moved(point_of[vertex]))?;
         let nodes =
-            if shown.is_empty() { Vec::new() } else { hanging.make(&mut gltf, &rest, &shown, point_of)? };
+            if shown.is_empty() { Vec::new() } else { hanging.make(&mut gltf, rest, &shown, point_of)? };
         let rest = gltf.rest()?;
         let bones: Vec<Bone> = nodes.iter().map(|&node| Bone { node, parent: None }).collect();
         let (warnings, influences) = (hanging.warnings(), hanging.most.min(MOST_INFLUENCES));
@@ -315,7 +315,9 @@ fn gains(wires: &[Wire], weights: &Weights) -> Result<Vec<f64>, usize> {
     let all = |point: usize| sums(point).map(|(wire, sum)| sum / gains[wire]).sum::<f64>();
     let together = points.map(all).fold(1.0, f64::max);
     if together > WHOLE {
-        gains.iter_mut().for_each(|gain| *gain *= together);
+        for gain in &mut gains {
+            *gain *= together;
+        }
     }
     Ok(gains)
 }
