@@ -138,7 +138,9 @@ mod tests {
         assert!(
             !wire("pose: Keys([(0, [(0, 0, 0), (1, 0, 0)]), (1, [(0, 0.5, 0), (1, 0.6, 0)])])").translates()
         );
-        let net = |moves: &str| wires(&format!("WireLattice(lines: (2, 2, 2), moves: [{moves}])"));
+        let net = |moves: &str| {
+            wires(&format!("WireLattice(min: (0, 0, 0), max: (1, 1, 1), lines: (2, 2, 2), moves: [{moves}])"))
+        };
         let by = "by: Keys([(0, (0, 0, 0)), (1, (0, 1, 0))])";
         let all = net(&format!("Move({by})"));
         assert!(all.iter().all(KeyedWire::translates), "{all:?}");
