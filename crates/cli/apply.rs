@@ -94,12 +94,16 @@ fn tell(console: Console, args: &Apply, effects: &[Effect], report: &Report) -> 
         console.note(&format!("mesh {}: {before} vertices are {after} {place}", printable(name)));
     }
     if let Some(skeleton) = &report.skeleton {
-        let Skeleton { joints, made, residual, residual_of_diagonal, seconds, .. } = skeleton;
+        let Skeleton { joints, made, residual, residual_of_diagonal, seconds, normals_degrees, .. } =
+            skeleton;
         let of_them = if *made > 0 { format!(", {made} of them made for it") } else { String::new() };
         console.note(&format!(
             "a skeleton plays it: {joints} joints{of_them}; at most {residual:.2e} m, {residual_of_diagonal:.1e} of the diagonal, off the \
-             effect itself, at {seconds:.2} s"
+             effect itself, at {seconds:.2} s; normals at most {normals_degrees:.0}°"
         ));
+        if let Some(gain) = skeleton.gains.iter().find(|gain| **gain != 1.0) {
+            console.note(&format!("joints go {gain:.3} times as far as the control points of their wires"));
+        }
     }
     if let Some(bake) = &report.bake {
         console.note(&played(bake));

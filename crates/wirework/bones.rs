@@ -1,8 +1,8 @@
-//! A limb as a skeleton: tracks of joints, which any engine plays, in the place of morph targets.
+//! A limb, or wires that only translate, as a skeleton: tracks of joints, which any engine plays, in the place of morph targets.
 //!
 //! Where the chain is one of the model's own, its joints are taken to where the limb has them: each turned and stretched as the middle of
 //! its bone is; or, where there are more joints between them, each as the curve is where it lies. A chain that stands in the
-//! preset gets joints made for it ([`rig`]). Either way what an engine then shows is compared with the effect itself, at every frame.
+//! preset gets joints made for it ([`rig`]), and so do wires, a joint a control point ([`wires`]). Either way what an engine then shows is compared with the effect itself, at every frame.
 //!
 //! # Notes
 //!
@@ -13,6 +13,7 @@
 //! a bone to its end a curve does not turn evenly.
 
 mod rig;
+mod wires;
 
 use std::path::Path;
 use std::time::Instant;
@@ -61,6 +62,16 @@ enum By {
     Near { own: usize, step: DVec3, u: f64 },
 }
 
+/// A document with joints, and what they do at all times.
+struct Animated {
+    gltf: Gltf,
+    rest: Rest,
+    baker: BoneBaker,
+    /// What is known of the skeleton so far.
+    skeleton: Skeleton,
+    warnings: Vec<String>,
+}
+
 impl Film<'_> {
     /// A glTF document with tracks of joints; `under` is the clip that poses the model.
     pub(crate) fn skeleton(
@@ -74,29 +85,18 @@ impl Film<'_> {
         let (known, clips) = (gltf.warnings().len(), gltf.clip_names().len());
         let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
         let start = Instant::now();
-        let mut rigged = self.rigged(job, gltf, rest, &point_of)?;
-        let bone = |joint: &Joint| Bone { node: joint.node, parent: joint.parent };
-        let mut baker = BoneBaker::new(&rigged.joints.iter().map(bone).collect::<Vec<_>>());
-        let outside = rigged.joints.first().and_then(|root| rigged.gltf.parent(root.node));
-        let still = rigged.gltf.player(&rigged.rest, None)?;
-        for (_, seconds) in self.schedule.moments() {
-            self.motion.at(seconds)?;
-            let evaluation = &self.motion.evaluation;
-            let Some((reach, wire, _)) = evaluation.lone_limb() else { return Err(not_alone()) };
-            let player = evaluation.posing().map_or(&still, |posing| posing.player());
-            let world = |node: usize| player.node_transform(node).unwrap_or(WORLD);
-            let joints = places(&rigged.joints, (reach, wire), seconds, world);
-            baker.push(seconds, &outside.map_or(WORLD, world), &joints)?;
-        }
-        drop(still);
+        let animated = if self.motion.evaluation.lone_limb().is_some() {
+            self.limb(job, gltf, rest, &point_of)
+        } else {
+            self.wires(job, gltf, &rest, &point_of)
+        };
+        let Animated { mut gltf, rest, baker, mut skeleton, mut warnings } = animated?;
         let posed = self.motion.evaluation.is_posed();
-        let index = baker.finish(&mut rigged.gltf, clip, under.filter(|_| posed))?;
+        let index = baker.finish(&mut gltf, clip, under.filter(|_| posed))?;
         self.write += start.elapsed();
-        let skeleton = self.compare(&rigged, index, &point_of)?;
-        let Rigged { gltf, .. } = rigged;
+        self.compare((&gltf, &rest), index, &point_of, &mut skeleton)?;
         let file = wirework_asset::printable(gltf.file());
-        let warnings =
-            gltf.warnings().iter().skip(known).map(|warning| format!("{file}: {warning}")).collect();
+        warnings.extend(gltf.warnings().iter().skip(known).map(|warning| format!("{file}: {warning}")));
         let clip = new_clip(&gltf, clips, under.filter(|_| posed));
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
@@ -104,53 +104,84 @@ impl Film<'_> {
         Ok(Product { files, warnings, clip, skeleton: Some(skeleton), ..Product::default() })
     }
 
-    /// The model with the joints of the limb: its own, or made for it.
-    fn rigged(&self, job: &Job<'_>, gltf: Gltf, rest: Rest, point_of: &[u32]) -> Result<Rigged, JobError> {
+    /// The model with the joints of a limb: its own, or made for it.
+    fn limb(
+        &mut self,
+        job: &Job<'_>,
+        gltf: Gltf,
+        rest: Rest,
+        point_of: &[u32],
+    ) -> Result<Animated, JobError> {
         let Some((reach, _, factors)) = self.motion.evaluation.lone_limb() else { return Err(not_alone()) };
-        if reach.nodes().is_empty() {
-            return rig::make(gltf, &rest, reach.rest(), (factors, point_of), job.joints);
+        let Rigged { gltf, rest, joints, made } = if reach.nodes().is_empty() {
+            rig::make(gltf, &rest, reach.rest(), (factors, point_of), job.joints)?
+        } else {
+            rig::split(gltf, rest, reach, job.joints)?
+        };
+        let bone = |joint: &Joint| Bone { node: joint.node, parent: joint.parent };
+        let mut baker = BoneBaker::new(&joints.iter().map(bone).collect::<Vec<_>>());
+        let outside = joints.first().and_then(|root| gltf.parent(root.node));
+        let still = gltf.player(&rest, None)?;
+        for (_, seconds) in self.schedule.moments() {
+            self.motion.at(seconds)?;
+            let evaluation = &self.motion.evaluation;
+            let Some((reach, wire, _)) = evaluation.lone_limb() else { return Err(not_alone()) };
+            let player = evaluation.posing().map_or(&still, |posing| posing.player());
+            let world = |node: usize| player.node_transform(node).unwrap_or(WORLD);
+            let joints = places(&joints, (reach, wire), seconds, world);
+            baker.push(seconds, &outside.map_or(WORLD, world), &joints)?;
         }
-        rig::split(gltf, rest, reach, job.joints)
+        drop(still);
+        let skeleton = Skeleton { joints: joints.len(), made, ..Skeleton::default() };
+        Ok(Animated { gltf, rest, baker, skeleton, warnings: Vec::new() })
     }
 
     /// How far what an engine plays is from the effect itself.
     fn compare(
         &mut self,
-        rigged: &Rigged,
+        (gltf, rest): (&Gltf, &Rest),
         clip: Option<usize>,
         point_of: &[u32],
-    ) -> Result<Skeleton, JobError> {
-        let Rigged { gltf, rest, joints, made } = rigged;
+        out: &mut Skeleton,
+    ) -> Result<(), JobError> {
         let mut player = gltf.player(rest, clip)?;
-        let mut vertices = Vertices::new(rest.positions.clone(), point_of.to_vec());
+        let mut vertices = Vertices::of_scene(rest, point_of.to_vec())?;
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
-        let mut out = Skeleton { joints: joints.len(), made: *made, ..Skeleton::default() };
         let frames = self.schedule.count();
         for (done, (_, seconds)) in self.schedule.moments().enumerate() {
             self.motion.at(seconds)?;
             if let Some((moment, _)) = self.motion.evaluation.moment() {
-                vertices = Vertices::new(moment.positions.clone(), point_of.to_vec());
+                vertices.repose(moment)?;
             }
             vertices.place(self.motion.before(), &self.motion.now);
+            vertices.shade(self.motion.evaluation.joints())?;
             player.pose_into(seconds, None, &mut positions, &mut normals)?;
-            let double = |p: &[f32; 3]| DVec3::from_array(p.map(f64::from));
             let off = positions.iter().zip(&vertices.positions).map(|(a, b)| double(a).distance(double(b)));
             let most = off.fold(0.0, f64::max);
             if most > out.residual {
                 (out.residual, out.seconds) = (most, seconds);
             }
+            let turned = vertices.normals().into_iter().flat_map(|own| own.iter().zip(&normals));
+            let turned = turned.map(|(a, b)| double(a).angle_between(double(b)).to_degrees());
+            // Vertices without a normal turn by no number.
+            out.normals_degrees = turned.filter(|turn| turn.is_finite()).fold(out.normals_degrees, f64::max);
             (self.progress)(Progress { done: done + 1, frames });
         }
         let bounds = wirework_surface::Bounds::of(&rest.positions);
         let diagonal = bounds.map_or(0.0, |bounds| f64::from(bounds.diagonal()));
         out.residual_of_diagonal = if diagonal > 0.0 { out.residual / diagonal } else { 0.0 };
-        Ok(out)
+        Ok(())
     }
+}
+
+fn double(p: &[f32; 3]) -> DVec3 {
+    DVec3::from_array(p.map(f64::from))
 }
 
 fn not_alone() -> JobError {
     JobError::Request(
-        "`--bake skin` writes a preset that is one `Ik` and nothing else; `--bake auto` takes all effects"
+        "`--bake skin` writes a preset that is one `Ik`, or one `Deform` whose wires only move, and nothing else; \
+         `--bake auto` takes all effects"
             .to_owned(),
     )
 }

@@ -69,6 +69,16 @@ struct Controlled<'a> {
 }
 
 impl Motion<'_> {
+    /// Whether the effect moves control points of a surface, and not its vertices.
+    pub(crate) fn is_net(&self) -> bool {
+        self.net.is_some()
+    }
+
+    /// The effects as they were read.
+    pub(crate) fn effects(&self) -> &[Effect] {
+        self.effects
+    }
+
     /// Where the points are without effects: at rest, or as a clip poses them at the moment.
     pub(crate) fn before(&self) -> &[[f32; 3]] {
         self.evaluation.moment().map_or(self.points, |(_, points)| points)

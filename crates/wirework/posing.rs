@@ -126,6 +126,12 @@ impl<'a> Evaluation<'a> {
         Some((stage.reach()?, stage.wires.first()?, stage.factors()))
     }
 
+    /// The `Deform` that is all there is.
+    pub(crate) fn lone_wires(&mut self) -> Option<&mut Stage> {
+        let [stage] = self.stages.as_mut_slice() else { return None };
+        Some(stage).filter(|stage| stage.drawn().is_some())
+    }
+
     /// The limbs among the effects.
     pub(crate) fn limbs(&self) -> impl Iterator<Item = &Reach> {
         self.stages.iter().filter_map(Stage::reach)

@@ -110,17 +110,27 @@ impl From<Played> for BakeReport {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Skeleton {
-    /// Joints that get tracks: the limb's, those made for it, and those below that go elsewhere than the one above them.
+    /// Joints that get tracks: the limb's, those made for it, and those below that go elsewhere than the one above them; of wires one
+    /// a control point.
     pub joints: usize,
     /// How many of them were made for it.
     pub made: usize,
-    /// How far a vertex is at most from where the effect itself has it, metres, over all frames. What hangs on the limb in part is
+    /// On how many joints a vertex hangs at most, of wires; 0 for a limb.
+    pub influences: usize,
+    /// How many times as far as the control points of each wire its joints go: 1 but for amplitudes below 0 or above 1, and for wires
+    /// that add up (`crossing: 1`). Empty for a limb.
+    pub gains: Vec<f64>,
+    /// How far a vertex is at most from where the effect itself has it, metres, over all frames. What hangs on a limb in part is
     /// turned by its part of the turn by the effect, and goes its part of the way by a skeleton: no number of joints makes up for that.
+    /// Wires that only translate leave what float32 rounds.
     pub residual: f64,
     /// The same as a part of the model's diagonal.
     pub residual_of_diagonal: f64,
     /// When that is, seconds.
     pub seconds: f64,
+    /// How far a normal is at most from where the effect has it, degrees, over all frames: joints turn normals by their own turns, so
+    /// that those that only move leave them as they are, and an effect has them follow the surface.
+    pub normals_degrees: f64,
 }
 
 /// A skeleton that is farther off than this part of the diagonal is hardly what was meant.

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use wirework_core::{BindError, Binding, Blend, Lattice, LatticeBinding, Wire};
-use wirework_preset::{Action, BoundsFrame, Effect};
+use wirework_core::{BindError, Binding, Blend, Lattice, LatticeBinding, Weights, WeightsError, Wire};
+use wirework_preset::{Action, BoundsFrame, Deform, Effect};
 use wirework_stitch::Surfaces;
 use wirework_surface::Near;
 use wirework_wrinkle::{Creases, SurfaceView, WrinkleWarning, creases};
@@ -312,6 +312,18 @@ impl Stage {
     /// What multiplies the effect as a whole, a factor for each point.
     pub(crate) fn factors(&self) -> Option<&[f32]> {
         self.masks.of_effect()
+    }
+
+    /// The wires of a `Deform`, in metres, where it is one.
+    pub(crate) fn drawn(&self) -> Option<&Deform> {
+        if let Action::Deform(deform) = &self.action { Some(deform) } else { None }
+    }
+
+    /// What points have of the control points of `wires`, which are its own at a moment. None of an effect that is not bound yet.
+    pub(crate) fn weights(&mut self, wires: &[Wire]) -> Result<Weights, WeightsError> {
+        self.binding
+            .as_mut()
+            .map_or_else(|| Ok(Weights::default()), |bound| bound.weights(wires, &self.blend))
     }
 
     /// The limb, where it is one.

@@ -75,7 +75,7 @@ fn every_failure_has_its_exit_code() {
         (2, "apply lift.ron -o out.glb --threads 0"),
         (2, "apply lift.ron -o out.glb --bake keys"),
         (2, "apply lift.ron -o out.glb --bake basis"),
-        (2, "apply lift.ron -o out.glb --bake skin"),
+        (2, "apply lift.ron -o out.glb --at 0.5 --bake skin"),
         (2, "apply lift.ron -o out.glb --bake nonsense"),
         (2, "apply lift.ron -o lift.ron"),
         // The report in the place of what is written or read.

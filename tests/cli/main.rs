@@ -24,6 +24,7 @@ mod skeleton;
 mod stitches;
 mod storage;
 mod tangents;
+mod wire_skins;
 mod wrinkles;
 
 #[path = "../../crates/asset/tests/oracle/mod.rs"]

@@ -75,6 +75,20 @@ impl Gltf {
         self.append_tracks(clip, tracks).map_err(|error| error.in_file(&self.file))
     }
 
+    /// The first clip that moves a node or one above it; none where all clips leave it where it is.
+    pub fn clip_that_moves(&self, node: usize) -> Option<usize> {
+        let mut line = vec![node];
+        while let Some(above) = self.parent(line[line.len() - 1]).filter(|above| !line.contains(above)) {
+            line.push(above);
+        }
+        let moves = |channel: &Value| {
+            target_of(channel).is_some_and(|(node, path)| path != "weights" && line.contains(&node))
+        };
+        self.list("animations").iter().position(|clip| {
+            clip.get("channels").and_then(Value::as_array).is_some_and(|channels| channels.iter().any(moves))
+        })
+    }
+
     fn append_tracks(&mut self, clip: &Clip, tracks: &Tracks<'_>) -> Result<Option<usize>, AssetError> {
         if tracks.times.is_empty() || (tracks.weights.is_empty() && tracks.joints.is_empty()) {
             return Ok(None);

@@ -91,7 +91,9 @@ impl Gltf {
             let of_rest =
                 |part: &Part| part.node == node && shown.is_some_and(|shown| shown.mesh == Some(part.mesh));
             if !rest.parts.iter().any(of_rest) {
-                return fault(format!("node {node}"), "nodes that show a mesh, and have no skin");
+                let skinned = graph.nodes.get(node).is_some_and(|node| node.skin.is_some());
+                let found = format!("node {node}{}", if skinned { ", which has a skin already" } else { "" });
+                return fault(found, "nodes that show a mesh, and have no skin");
             }
         }
         let world = world(skin.joints)?;

@@ -12,6 +12,7 @@ use crate::influence::Measure;
 use crate::mask::{self, Mask};
 use crate::runs::Runs;
 use crate::tiles::{TILE, Tile, Tiles};
+use crate::weights::{self, Weights, WeightsError};
 use crate::wire::WireError;
 use crate::{Blend, Wire};
 
@@ -219,6 +220,23 @@ impl Binding {
             self.tiles.list.par_iter().zip(out.par_chunks_mut(TILE)).enumerate().for_each(work);
         }
         Ok(())
+    }
+
+    /// What the bound points have of the control points of `wires`, in their present state: `P + Σ weight·(Wⱼ − Rⱼ)` is what
+    /// [`Binding::deform_into`] makes of each for any pose, as long as nothing but poses moves. Wires count as there; their poses do not.
+    ///
+    /// # Errors
+    ///
+    /// Wires that do more than translate (rotation or twist other than 0, scale other than 1), that are posed by arc length or are
+    /// Catmull-Rom splines; points that several wires reach, unless `localize` or `crossing` is 1.
+    pub fn weights(&mut self, wires: &[Wire], blend: &Blend) -> Result<Weights, WeightsError> {
+        check(wires)?;
+        blend.check().map_err(BindError::Blend)?;
+        if wires.len() != self.wires.len() {
+            return Err(BindError::WireCount { bound: self.wires.len(), found: wires.len() }.into());
+        }
+        self.update(wires);
+        weights::weights(&self.wires, wires, blend, self.tiles.count)
     }
 
     /// Rebinds what has to be.

@@ -59,6 +59,12 @@ fn add3<S: Simd>(rows: &mut [Row; 3], i: usize, x: Vectors<S>) {
     add(rz, i, x.0[2]);
 }
 
+/// `G / (1 − G)` of a wire in the pinned blend, by its own amplitude and its influence.
+pub(crate) fn pinned_weight(amplitude: f32, influence: f64) -> f64 {
+    let g = f64::from(amplitude.clamp(0.0, 1.0)) * influence;
+    g / (1.0 - g).max(f64::from(ON_REFERENCE))
+}
+
 impl Displacements {
     #[inline(always)]
     fn read<S: Simd>(&self, simd: S, i: usize) -> Vectors<S> {

@@ -125,6 +125,11 @@ impl<T> Keyed<T> {
         keys.iter().map(|(time, _)| *time)
     }
 
+    /// Whether it runs by `3x² − 2x³` between keys and not along straight lines; a constant does not.
+    pub fn eased(&self) -> bool {
+        matches!(self, Self::Keys(Keys { ease: true, .. }))
+    }
+
     /// The time of the last key in seconds; `None` for a constant.
     pub fn last_key(&self) -> Option<f64> {
         match self {
@@ -160,6 +165,7 @@ mod tests {
         let track = Keyed::keys(vec![(1.0, 2.0_f32), (3.0, 6.0)], true).unwrap();
         let doubled = track.map(|value| 2.0 * value);
         assert_eq!(doubled.times().collect::<Vec<_>>(), [1.0, 3.0]);
+        assert!(doubled.eased() && !Keyed::Constant(1.0_f32).eased());
         assert_eq!([1.5, 2.0].map(|t| doubled.at(t)), [1.5, 2.0].map(|t| 2.0 * track.at(t)));
         let constant = Keyed::Constant(2.0_f32).map(|value| value + 1.0);
         assert_eq!((constant.times().count(), constant.at(7.0)), (0, 3.0));

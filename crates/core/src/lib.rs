@@ -55,6 +55,7 @@ mod spans;
 mod stations;
 mod tiles;
 mod trig;
+mod weights;
 mod wire;
 
 pub use bind::{BindError, Binding};
@@ -65,6 +66,7 @@ pub use keyed::{Interpolate, Keyed, Keys, KeysError};
 pub use lattice::{Lattice, LatticeBinding, LatticeError, MAX_LATTICE_CELLS};
 pub use mask::Mask;
 pub use stations::Station;
+pub use weights::{Weight, Weights, WeightsError};
 pub use wire::{
     Bend, Blend, Bounded, Closest, Correspondence, Domain, Interpolation, LARGEST_TWIST, Locator, Wire,
     WireError,

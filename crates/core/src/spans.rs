@@ -150,26 +150,40 @@ pub(crate) fn to_array(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }
 
-/// De Boor's recursion on polynomials: each step mixes neighbours `a + (b − a)·α(t)` with `α` linear in `t`.
+/// How many segments a B-spline has.
+fn bspline_spans(degree: usize, closed: bool, count: usize) -> usize {
+    if closed { count } else { count - degree }
+}
+
 fn bspline(out: &mut Vec<Cubic>, degree: usize, closed: bool, count: usize, point: impl Fn(usize) -> DVec3) {
-    let spans = if closed { count } else { count - degree };
+    let spans = bspline_spans(degree, closed, count);
+    out.extend((0..spans).map(|span| bspline_span(span, degree, closed, count, &point)));
+}
+
+/// De Boor's recursion on polynomials: each step mixes neighbours `a + (b − a)·α(t)` with `α` linear in `t`.
+fn bspline_span(
+    span: usize,
+    degree: usize,
+    closed: bool,
+    count: usize,
+    point: impl Fn(usize) -> DVec3,
+) -> Cubic {
+    let spans = bspline_spans(degree, closed, count);
     // Knots in units of one segment; segment `i` lies between knots i and i + 1.
     let knot = |j: f64| if closed { j } else { j.clamp(0.0, spans as f64) };
-    for span in 0..spans {
-        let mut d = [Cubic::default(); 4];
-        for (j, d) in d.iter_mut().enumerate().take(degree + 1) {
-            d.0[0] = point((span + j) % count);
-        }
-        for level in 1..=degree {
-            for j in (level..=degree).rev() {
-                let first = knot((span + j) as f64 - degree as f64);
-                let width = knot((span + 1 + j - level) as f64) - first;
-                let alpha = [(span as f64 - first) / width, 1.0 / width];
-                d[j] = mix(&d[j - 1], &d[j], alpha);
-            }
-        }
-        out.push(d[degree]);
+    let mut d = [Cubic::default(); 4];
+    for (j, d) in d.iter_mut().enumerate().take(degree + 1) {
+        d.0[0] = point((span + j) % count);
     }
+    for level in 1..=degree {
+        for j in (level..=degree).rev() {
+            let first = knot((span + j) as f64 - degree as f64);
+            let width = knot((span + 1 + j - level) as f64) - first;
+            let alpha = [(span as f64 - first) / width, 1.0 / width];
+            d[j] = mix(&d[j - 1], &d[j], alpha);
+        }
+    }
+    d[degree]
 }
 
 /// `a + (b − a)·(α₀ + α₁ t)`; the product has no term of fourth degree, since the recursion starts at constants.
@@ -185,13 +199,50 @@ fn mix(a: &Cubic, b: &Cubic, alpha: [f64; 2]) -> Cubic {
     c
 }
 
+/// How many segments a Bézier chain has.
+fn bezier_spans(closed: bool, count: usize) -> usize {
+    if closed { count / 3 } else { (count - 1) / 3 }
+}
+
 fn bezier(out: &mut Vec<Cubic>, closed: bool, count: usize, point: impl Fn(usize) -> DVec3) {
-    let spans = if closed { count / 3 } else { (count - 1) / 3 };
-    for span in 0..spans {
-        let [p0, p1, p2, p3] = [0, 1, 2, 3].map(|j| point((3 * span + j) % count));
-        let (d0, d1, d2) = (p1 - p0, p2 - p1, p3 - p2);
-        out.push(Cubic([p0, 3.0 * d0, 3.0 * (d1 - d0), d2 - 2.0 * d1 + d0]));
-    }
+    out.extend((0..bezier_spans(closed, count)).map(|span| bezier_span(span, count, &point)));
+}
+
+fn bezier_span(span: usize, count: usize, point: impl Fn(usize) -> DVec3) -> Cubic {
+    let [p0, p1, p2, p3] = [0, 1, 2, 3].map(|j| point((3 * span + j) % count));
+    let (d0, d1, d2) = (p1 - p0, p2 - p1, p3 - p2);
+    Cubic([p0, 3.0 * d0, 3.0 * (d1 - d0), d2 - 2.0 * d1 + d0])
+}
+
+/// What a segment has of one control point: its number, and the powers of `t` of its factor `Nⱼ`.
+pub(crate) type Factor = (usize, [f64; 4]);
+
+/// For each segment of a curve what it has of its control points: `Σ Nⱼ(t)·Pⱼ`. None for a kind that is not linear in them.
+pub(crate) fn factors(kind: CurveKind, closed: bool, count: usize) -> Option<Vec<Vec<Factor>>> {
+    // The curve of one control point at 1 and all others at 0, built as every curve is.
+    let only = |control: usize| move |i: usize| if i == control { DVec3::X } else { DVec3::ZERO };
+    let powers = |cubic: Cubic| cubic.0.map(|c| c.x);
+    let degree = match kind {
+        _ if count == 1 => return Some(vec![vec![(0, [1.0, 0.0, 0.0, 0.0])]]),
+        CurveKind::CatmullRom => return None,
+        CurveKind::Bezier => {
+            let factor = |span, j| {
+                let control = (3 * span + j) % count;
+                (control, powers(bezier_span(span, count, only(control))))
+            };
+            // A closed segment by itself ends with the point that it starts with.
+            let own = |span| (0..4.min(count)).map(|j| factor(span, j)).collect();
+            return Some((0..bezier_spans(closed, count)).map(own).collect());
+        }
+        CurveKind::BSpline { degree } => usize::from(degree).min(count - 1),
+        CurveKind::Polyline => 1,
+    };
+    let factor = |span, j| {
+        let control = (span + j) % count;
+        (control, powers(bspline_span(span, degree, closed, count, only(control))))
+    };
+    let own = |span| (0..=degree).map(|j| factor(span, j)).collect();
+    Some((0..bspline_spans(degree, closed, count)).map(own).collect())
 }
 
 /// Barry and Goldman's centripetal spline in Hermite form.
