@@ -6,7 +6,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use wirework::asset::{Format, Gltf, NewMesh, write_files};
-use wirework::bake::{Baker, Settings};
+use wirework::bake::{Baker, Frame, Settings};
 use wirework::core::{Lattice, LatticeBinding};
 use wirework::surface::{Normals, NormalsBuffer, VertexMesh, cuboid};
 use wirework::{Binding, Blend, Curve, Wire};
@@ -50,7 +50,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         binding.deform_into(&wires, &Blend::default(), &mut held)?;
         free_form.deform_into(&held, &mut positions)?;
         shading.update_into(&positions, &mut buffer, &mut normals)?;
-        baker.push(f64::from(frame) / FPS, &positions, Some(&normals), None)?;
+        let state = Frame { moment: &scene, positions: &positions, normals: Some(&normals), tangents: None };
+        baker.push(f64::from(frame) / FPS, &state)?;
     }
     write_files(&baker.finish()?.gltf.files(&out, Format::Glb)?)?;
     println!("wrote {}", out.display());

@@ -6,7 +6,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use wirework::asset::{Format, Gltf, NewMesh, write_files};
-use wirework::bake::{Baker, Settings};
+use wirework::bake::{Baker, Frame, Settings};
 use wirework::surface::{Normals, NormalsBuffer, VertexMesh, grid};
 use wirework::{Binding, Blend, Curve, Wire};
 
@@ -47,7 +47,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         wires[0].pose[2][1] = 0.5 * height;
         binding.deform_into(&wires, &Blend::default(), &mut positions)?;
         shading.update_into(&positions, &mut buffer, &mut normals)?;
-        baker.push(f64::from(frame) / FPS, &positions, Some(&normals), None)?;
+        let state = Frame { moment: &scene, positions: &positions, normals: Some(&normals), tangents: None };
+        baker.push(f64::from(frame) / FPS, &state)?;
     }
 
     write_files(&baker.finish()?.gltf.files(&out, Format::Glb)?)?;

@@ -6,7 +6,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use wirework::asset::{Format, Gltf, NewMesh, write_files};
-use wirework::bake::{Baker, Settings};
+use wirework::bake::{Baker, Frame, Settings};
 use wirework::core::Keyed;
 use wirework::ik::{Ik, Limb};
 use wirework::surface::{Normals, NormalsBuffer, VertexMesh, tube};
@@ -52,7 +52,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         limb.wire_into(&limb.pose(goal, seconds), seconds, &mut wires[0]);
         binding.deform_into(&wires, &Blend::default(), &mut positions)?;
         shading.update_into(&positions, &mut buffer, &mut normals)?;
-        baker.push(seconds, &positions, Some(&normals), None)?;
+        let frame = Frame { moment: &scene, positions: &positions, normals: Some(&normals), tangents: None };
+        baker.push(seconds, &frame)?;
     }
     write_files(&baker.finish()?.gltf.files(&out, Format::Glb)?)?;
     println!("wrote {}", out.display());

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use wirework::asset::{Format, Gltf, NewMesh, write_files};
-use wirework::bake::{Baker, Settings};
+use wirework::bake::{Baker, Frame, Settings};
 use wirework::preset::Limits;
 use wirework::{Evaluation, When, parse, schedule};
 
@@ -48,7 +48,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let times = schedule(&When::All, preset.duration, preset.animated, 24.0, 1000)?;
     for (_, seconds) in times.moments() {
         effect.at(seconds, &mut now)?;
-        baker.push(seconds, &now, None, None)?;
+        let frame = Frame { moment: &scene, positions: &now, normals: None, tangents: None };
+        baker.push(seconds, &frame)?;
     }
 
     write_files(&baker.finish()?.gltf.files(&out, Format::Glb)?)?;
