@@ -31,7 +31,11 @@ impl Rest {
         largest_of(self.blocks.get(block), |block, v| {
             let at = |list: &[[f32; 3]]| list.get(v).map_or(DVec3::ZERO, |delta| double(*delta));
             let apart = at(a) - at(b);
-            if apart == DVec3::ZERO { 0.0 } else { (block.frame.way(v).transpose.transpose() * apart).length() }
+            if apart == DVec3::ZERO {
+                0.0
+            } else {
+                (block.frame.way(v).transpose.transpose() * apart).length()
+            }
         })
     }
 
@@ -73,7 +77,8 @@ fn largest_of(block: Option<&Block>, at: impl Fn(&Block, usize) -> f64 + Sync) -
 /// The largest singular value. One of the columns to start from is not across the direction that is sought.
 fn largest(matrix: DMat3) -> f32 {
     let square = matrix * matrix.transpose();
-    let from = |start: DVec3| (0..STEPS).fold(start, |direction, _| square * direction.normalize_or_zero()).length();
+    let from =
+        |start: DVec3| (0..STEPS).fold(start, |direction, _| square * direction.normalize_or_zero()).length();
     [square.x_axis, square.y_axis, square.z_axis].into_iter().map(from).fold(0.0, f64::max).sqrt() as f32
 }
 

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use wirework_asset::{Gltf, Rest};
 
-use crate::areas::Areas;
 use crate::adapt::{Look, Moments, looked};
+use crate::areas::Areas;
 use crate::error::BakeError;
 use crate::field::Field;
 use crate::frames::Baker;
@@ -45,7 +45,8 @@ pub fn bake<M: Moments>(
         return Ok(baker.finish()?);
     }
     check(times, settings.tolerance)?;
-    let mut work = Work { writer: Writer::new(gltf, rest, settings), moments, frames: times.len(), cached: None };
+    let mut work =
+        Work { writer: Writer::new(gltf, rest, settings), moments, frames: times.len(), cached: None };
     let tolerance = work.writer.settings.tolerance * diagonal(rest);
     let (fields, studies) = work.studied(times, tolerance)?;
     let (mut playing, off) = work.planned(&fields, studies)?;
@@ -102,7 +103,8 @@ impl<M: Moments> Work<'_, '_, M> {
         };
         let mut take = |look: &Look| -> Result<(), M::Error> {
             for (node, (study, places)) in studies.iter_mut().zip(&look.places).enumerate() {
-                let (rests, own) = (!writer.moves(node, &look.sample), writer.own_weights(node, &look.sample));
+                let (rests, own) =
+                    (!writer.moves(node, &look.sample), writer.own_weights(node, &look.sample));
                 let directions = fields[node].directions(&look.sample, &look.growth);
                 study.push(look.sample.time, rests, own, places, &directions);
             }
@@ -120,7 +122,8 @@ impl<M: Moments> Work<'_, '_, M> {
         for (node, mut study) in studies.into_iter().enumerate() {
             let own = self.writer.nodes[node].own;
             let plan = study.plan(self.writer.settings.room(own));
-            let plan = plan.map_err(|short| short.error(self.writer.mesh_name(node), own, &self.writer.settings))?;
+            let plan =
+                plan.map_err(|short| short.error(self.writer.mesh_name(node), own, &self.writer.settings))?;
             let (one, error) = Playing::new((node, &fields[node]), study, plan);
             off.metres = off.metres.max(error);
             playing.push(one);
@@ -130,8 +133,9 @@ impl<M: Moments> Work<'_, '_, M> {
 
     /// Writes key poses, and looks between samples how far what is shown is off.
     fn played(&mut self, playing: &mut [Playing]) -> Result<Off, M::Error> {
-        let times: Vec<f64> =
-            playing.first().map_or_else(Vec::new, |one| one.study.seen.iter().map(|seen| seen.time).collect());
+        let times: Vec<f64> = playing
+            .first()
+            .map_or_else(Vec::new, |one| one.study.seen.iter().map(|seen| seen.time).collect());
         let mut off = Off::default();
         for (index, pair) in times.windows(2).enumerate() {
             let time = pair[0] + BETWEEN * (pair[1] - pair[0]);
@@ -192,13 +196,7 @@ impl<M: Moments> Work<'_, '_, M> {
             writer.gltf.warn("tolerance", message);
         }
         let of_diagonal = if diagonal > 0.0 { off.metres / diagonal } else { 0.0 };
-        let played = Played {
-            error: off.metres,
-            of_diagonal,
-            normals: off.radians,
-            samples,
-            nodes,
-        };
+        let played = Played { error: off.metres, of_diagonal, normals: off.radians, samples, nodes };
         Ok(Baked { played: Some(played), ..writer.finish(&[0.0], clips)? })
     }
 }

@@ -70,7 +70,8 @@ impl Field {
         let mut out = Vec::with_capacity(self.turns);
         for part in &self.blocks {
             let deltas = sample.blocks.get(part.block);
-            let given = deltas.map_or([None, None], |deltas| [&deltas.normals, &deltas.tangents].map(Option::as_ref));
+            let given =
+                deltas.map_or([None, None], |deltas| [&deltas.normals, &deltas.tangents].map(Option::as_ref));
             let growth = growth.get(part.first..).unwrap_or_default();
             for (base, given) in part.directions.iter().zip(given) {
                 let start = out.len();

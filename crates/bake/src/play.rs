@@ -93,7 +93,11 @@ impl Playing {
     }
 
     /// Writes the next key pose.
-    pub(crate) fn write_key(&mut self, writer: &mut Writer<'_>, sample: &Rc<Sample>) -> Result<(), BakeError> {
+    pub(crate) fn write_key(
+        &mut self,
+        writer: &mut Writer<'_>,
+        sample: &Rc<Sample>,
+    ) -> Result<(), BakeError> {
         let Way::Keys(way) = &mut self.way else { return Ok(()) };
         let mut target = None;
         if writer.moves(self.node, sample) {
@@ -146,7 +150,8 @@ impl Playing {
                     let [a, b] = [a, b].map(|sample| way.basis.weights[sample][k]);
                     (a + part * (b - a)) as f32
                 };
-                let of_block = |shape: &[(usize, LocalDeltas)]| shape.iter().position(|(own, _)| *own == block);
+                let of_block =
+                    |shape: &[(usize, LocalDeltas)]| shape.iter().position(|(own, _)| *own == block);
                 let shapes = way.shapes.iter().enumerate();
                 let list: Vec<_> =
                     shapes.map(|(k, shape)| (weight(k), of_block(shape).map(|at| &shape[at].1))).collect();
@@ -180,13 +185,17 @@ impl Playing {
                 for (k, shape) in way.shapes.into_iter().enumerate() {
                     let mut written = Vec::with_capacity(shape.len());
                     for (block, deltas) in shape {
-                        written.push((block, if deltas.moves() { Some(writer.block(block, deltas)?) } else { None }));
+                        written.push((
+                            block,
+                            if deltas.moves() { Some(writer.block(block, deltas)?) } else { None },
+                        ));
                     }
                     let of_block = |block: usize| written.iter().find(|(own, _)| *own == block)?.1;
                     let primitives = writer.content(self.node, of_block)?;
                     let prefix = plain(&writer.settings.prefix);
                     let is_offset = way.basis.offset && k + 1 == way.basis.reaches.len();
-                    let name = if is_offset { format!("{prefix}_offset") } else { format!("{prefix}_b{k:02}") };
+                    let name =
+                        if is_offset { format!("{prefix}_offset") } else { format!("{prefix}_b{k:02}") };
                     targets.push(MeshTarget { name, primitives });
                 }
                 (targets, kept, way.basis.weights)
@@ -215,7 +224,8 @@ fn one_by_one(way: &KeyWay, times: &[f64]) -> Vec<Vec<f64>> {
             *slot += weight;
         }
     };
-    let keys: Vec<(usize, Option<usize>)> = way.keys.iter().copied().zip(way.targets.iter().copied()).collect();
+    let keys: Vec<(usize, Option<usize>)> =
+        way.keys.iter().copied().zip(way.targets.iter().copied()).collect();
     if let Some(&(first, target)) = keys.first() {
         put(first, target, 1.0);
     }
@@ -257,7 +267,10 @@ pub(crate) fn worst(a: Off, b: Off) -> Off {
 /// The diagonal of the bounds of what is shown at rest, metres.
 pub(crate) fn diagonal(rest: &Rest) -> f64 {
     let ends = rest.positions.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
-        [std::array::from_fn(|k| low[k].min(f64::from(p[k]))), std::array::from_fn(|k| high[k].max(f64::from(p[k])))]
+        [
+            std::array::from_fn(|k| low[k].min(f64::from(p[k]))),
+            std::array::from_fn(|k| high[k].max(f64::from(p[k]))),
+        ]
     });
     (0..3).map(|k| (ends[1][k] - ends[0][k]).powi(2)).sum::<f64>().sqrt()
 }

@@ -74,7 +74,8 @@ impl Choice {
     pub(crate) fn new(subspace: &Subspace, rests: &[bool], tolerance: f64) -> Self {
         let choice = |mean: bool| {
             let axes = Axes::new(subspace, mean, tolerance);
-            let rank = axes.errors.iter().position(|error| *error <= tolerance).unwrap_or(axes.errors.len() - 1);
+            let rank =
+                axes.errors.iter().position(|error| *error <= tolerance).unwrap_or(axes.errors.len() - 1);
             Self { axes, rank, tolerance }
         };
         let from_rest = choice(false);
@@ -87,7 +88,8 @@ impl Choice {
 
     /// How many targets that makes.
     pub(crate) fn count(&self, rests: &[bool]) -> usize {
-        self.rank + usize::from(self.rank > 0 && self.has_offset(rests) || self.rank == 0 && self.is_held(rests))
+        self.rank
+            + usize::from(self.rank > 0 && self.has_offset(rests) || self.rank == 0 && self.is_held(rests))
     }
 
     /// The least error that so many targets can keep, metres.
@@ -112,7 +114,8 @@ impl Choice {
     fn range(&self, axis: usize, rests: &[bool]) -> [f64; 2] {
         let column = self.axes.along.column(axis);
         let own = column.iter().zip(rests).filter(|(_, rests)| !**rests).map(|(c, _)| *c);
-        let (mut low, mut high) = own.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), c| (a.min(c), b.max(c)));
+        let (mut low, mut high) =
+            own.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), c| (a.min(c), b.max(c)));
         // Where some poses rest the way starts from there, if it goes to one side only.
         if rests.contains(&true) || low > 0.0 && low < 0.5 * high {
             (low, high) = (low.min(0.0), high.max(0.0));
@@ -261,10 +264,10 @@ fn errors(shapes: &[Vec<Vector>], axes: &DMatrix<f64>, along: &DMatrix<f64>, eno
         most[..first].fill(f32::INFINITY);
         most
     };
-    let most = starts.into_par_iter().map(piece).reduce(
-        || vec![0.0; count + 1],
-        |a, b| a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect(),
-    );
+    let most = starts
+        .into_par_iter()
+        .map(piece)
+        .reduce(|| vec![0.0; count + 1], |a, b| a.iter().zip(&b).map(|(a, b)| a.max(*b)).collect());
     most.into_iter().map(|square| f64::from(square).sqrt()).collect()
 }
 
@@ -295,7 +298,8 @@ fn turned(shapes: &[Vec<Vector>], axes: &DMatrix<f64>, range: std::ops::Range<us
             sum.as_flattened_mut().iter_mut().zip(own).for_each(|(s, x)| *s += factor * f64::from(*x));
         }
         [0, 1, 2].map(|k| {
-            let lanes = |group: &[[f64; 3]]| std::array::from_fn(|lane| group.get(lane).map_or(0.0, |s| s[k] as f32));
+            let lanes =
+                |group: &[[f64; 3]]| std::array::from_fn(|lane| group.get(lane).map_or(0.0, |s| s[k] as f32));
             sum.chunks(LANES).map(lanes).collect()
         })
     };

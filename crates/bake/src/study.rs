@@ -72,7 +72,13 @@ pub(crate) struct Seen {
 
 impl Study {
     /// One for each node of `fields`; `room` is how many targets each may get, `diagonal` the rest's, metres.
-    pub(crate) fn all(fields: &[Field], room: &[usize], rest: &Rest, settings: &Settings, diagonal: f64) -> Vec<Self> {
+    pub(crate) fn all(
+        fields: &[Field],
+        room: &[usize],
+        rest: &Rest,
+        settings: &Settings,
+        diagonal: f64,
+    ) -> Vec<Self> {
         let tolerance = settings.tolerance * diagonal;
         let numbers = rest.positions.as_flattened().iter();
         let noise = NOISE * numbers.fold(0.0_f64, |most, c| most.max(f64::from(c.abs())));
@@ -94,7 +100,14 @@ impl Study {
     }
 
     /// Takes the next sample: its displacements, what it adds to directions, the weights of the mesh's own targets.
-    pub(crate) fn push(&mut self, time: f64, rests: bool, own: Vec<f32>, places: &[Vector], directions: &[Vector]) {
+    pub(crate) fn push(
+        &mut self,
+        time: f64,
+        rests: bool,
+        own: Vec<f32>,
+        places: &[Vector],
+        directions: &[Vector],
+    ) {
         let moved = places.iter().filter(|d| **d != [0.0; 3]).count();
         self.seen.push(Seen { time, rests, own, hash: hash(places), moved });
         if let Some(keys) = &mut self.keys {
@@ -157,7 +170,10 @@ impl Study {
         basis: Option<(usize, usize)>,
         within: Option<f64>,
     ) -> Short {
-        let needs = [keys.map(|(keys, _)| format!("{keys} key poses")), basis.map(|(basis, _)| format!("a basis of {basis}"))];
+        let needs = [
+            keys.map(|(keys, _)| format!("{keys} key poses")),
+            basis.map(|(basis, _)| format!("a basis of {basis}")),
+        ];
         let counts = [keys, basis].into_iter().flatten().map(|(targets, _)| targets);
         let within = within.map(|error| error / OF_POSES / self.tolerance);
         Short {
@@ -185,7 +201,8 @@ impl Short {
         let room = settings.room(own);
         let raise = format!("`--max-targets {}` would do", self.targets + limit - room);
         // A little more than is needed: sampling depends on the tolerance, too.
-        let relax = self.within.map(|times| format!("`--tolerance {:.1e}` fits", tolerance * (times * 1.1).max(1.1)));
+        let relax =
+            self.within.map(|times| format!("`--tolerance {:.1e}` fits", tolerance * (times * 1.1).max(1.1)));
         let remedy = relax.map_or_else(|| raise.clone(), |relax| format!("{relax}, {raise}"));
         BakeError::Tolerance { mesh, need: self.need, tolerance, room, own, limit, remedy }
     }
@@ -200,6 +217,8 @@ fn encoded(moved: usize, count: usize) -> usize {
 fn hash(places: &[Vector]) -> u64 {
     /// Odd, and its bits without a pattern.
     const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
-    let step = |state: u64, value: &f32| (state.rotate_left(23) ^ u64::from((value + 0.0).to_bits())).wrapping_mul(FACTOR);
+    let step = |state: u64, value: &f32| {
+        (state.rotate_left(23) ^ u64::from((value + 0.0).to_bits())).wrapping_mul(FACTOR)
+    };
     places.as_flattened().iter().fold(places.len() as u64, step)
 }

@@ -106,7 +106,8 @@ fn animated() -> Gltf {
     };
     let position = gltf.append_deltas(vec![[0.0, 0.0, 1.0]; 4], true).unwrap();
     gltf.add_targets(0, &[targets(position), targets(position)]).unwrap();
-    let track = |node, weights: &[f32]| wirework_asset::WeightTrack { node, times: None, weights: weights.to_vec() };
+    let track =
+        |node, weights: &[f32]| wirework_asset::WeightTrack { node, times: None, weights: weights.to_vec() };
     let clip = wirework_asset::Clip::New("own".into());
     gltf.add_clip(&clip, &[0.0, 1.0], &[track(0, &[0.0, 0.25, 1.0, 0.5])]).unwrap();
     let glb = gltf.to_glb().unwrap();

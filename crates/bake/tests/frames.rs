@@ -151,7 +151,10 @@ fn bad_frames_are_refused() {
         baker.push(0.0, &frame(&rest, &vec![[0.0; 3]; n - 1], None)),
         Err(BakeError::VertexCount { .. })
     ));
-    assert!(matches!(baker.push(0.0, &frame(&rest, &vec![[f32::NAN; 3]; n], None)), Err(BakeError::Frame { .. })));
+    assert!(matches!(
+        baker.push(0.0, &frame(&rest, &vec![[f32::NAN; 3]; n], None)),
+        Err(BakeError::Frame { .. })
+    ));
     assert!(matches!(baker.push(-1.0, &frame(&rest, &rest.positions, None)), Err(BakeError::Frame { .. })));
     baker.push(1.0, &frame(&rest, &rest.positions, None)).unwrap();
     assert!(matches!(baker.push(1.0, &frame(&rest, &rest.positions, None)), Err(BakeError::Frame { .. })));
