@@ -4,9 +4,11 @@ use std::path::Path;
 
 use wirework::asset::{OutputFile, check_output, printable, write_files};
 use wirework::preset::{Action, Effect};
-use wirework::{BakeReport, Fault, FinerMesh, Job, JobError, Report, Skeleton, When, bake};
+use wirework::{
+    BakeReport, CacheFacts, Fault, FinerMesh, Job, JobError, Report, Skeleton, VatFacts, VatJob, When, bake,
+};
 
-use crate::args::{Apply, Bake};
+use crate::args::{Apply, Bake, VatFormat, VatNormals};
 use crate::console::{Console, print};
 use crate::exit::Failure;
 use crate::{diagnostics, presets};
@@ -25,6 +27,8 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     let job = Job {
         input: args.input.as_deref(),
         output: args.output.as_deref(),
+        caches: args.cache.clone(),
+        vat: vat(args),
         in_place: args.in_place,
         report: report_file,
         dry_run: args.dry_run,
@@ -53,6 +57,19 @@ pub(crate) fn run(console: Console, args: &Apply) -> Result<(), Failure> {
     })?;
     tell(console, args, &preset.parsed.preset.effects, &report)?;
     Ok(())
+}
+
+/// The texture that is asked for.
+fn vat(args: &Apply) -> Option<VatJob<'_>> {
+    let format = match args.vat_format {
+        VatFormat::Png => bake::VatFormat::Png,
+        VatFormat::Exr => bake::VatFormat::Exr,
+    };
+    let normals = match args.vat_normals {
+        VatNormals::Packed => bake::VatNormals::Packed,
+        VatNormals::Separate => bake::VatNormals::Separate,
+    };
+    args.vat.as_deref().map(|folder| VatJob { folder, format, normals })
 }
 
 /// How frames are baked.
@@ -108,7 +125,9 @@ fn tell(console: Console, args: &Apply, effects: &[Effect], report: &Report) -> 
     if let Some(bake) = &report.bake {
         console.note(&played(bake));
     }
-    let what = match (&args.output, args.dry_run) {
+    tell_aside(console, report);
+    let written = [args.output.as_ref(), args.vat.as_ref(), args.cache.first()].into_iter().flatten().next();
+    let what = match (written, args.dry_run) {
         (Some(path), false) => format!("wrote {}", printable(&path.display().to_string())),
         _ => "dry run, nothing is written".to_owned(),
     };
@@ -151,6 +170,21 @@ fn played(bake: &BakeReport) -> String {
         "{what}{meshes}; at most {:.1e} m, {:.1e} of the diagonal, off; normals {:.2}° in the mean, {:.0}° at most",
         bake.error, bake.error_of_diagonal, bake.normal_mean_degrees, bake.normal_degrees
     )
+}
+
+/// What was written besides.
+fn tell_aside(console: Console, report: &Report) {
+    let name = |path: &Path| printable(&path.display().to_string());
+    for CacheFacts { path, points, frames, .. } in &report.caches {
+        let plural = if *frames == 1 { "" } else { "s" };
+        console.note(&format!("{}: {frames} frame{plural} of {points} points", name(path)));
+    }
+    if let Some(VatFacts { folder, size: [width, height], vertices, frames, rounding, .. }) = &report.vat {
+        console.note(&format!(
+            "{}: a texture of {width}×{height} for {vertices} vertices in {frames} frames; at most {rounding:.1e} m are rounded away",
+            name(folder)
+        ));
+    }
 }
 
 /// Where the animation is, if the input has clips of its own: many viewers play one at a time.

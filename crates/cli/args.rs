@@ -75,9 +75,21 @@ pub(crate) struct Apply {
     pub(crate) preset: PathBuf,
     /// The model, .glb, .gltf or .obj; takes the place of the preset's own object
     pub(crate) input: Option<PathBuf>,
-    /// The file to write, .glb, .gltf or .obj; `####` in the name of an .obj is the number of the frame
-    #[arg(short, long, value_name = "OUT", required_unless_present = "dry_run")]
+    /// The file to write, .glb, .gltf, .obj, .pc2 or .mdd; `####` in the name of an .obj is the number of the frame
+    #[arg(short, long, value_name = "OUT", required_unless_present_any = ["dry_run", "cache", "vat"])]
     pub(crate) output: Option<PathBuf>,
+    /// Write a point cache too, .pc2 or .mdd; may be given several times. `{node}` in its name stands for a node's: a file for each
+    #[arg(long, value_name = "FILE")]
+    pub(crate) cache: Vec<PathBuf>,
+    /// Write a vertex animation texture too, in the layout of `OpenVAT`: DIR takes the model, the texture and what its numbers mean
+    #[arg(long, value_name = "DIR")]
+    pub(crate) vat: Option<PathBuf>,
+    /// How the texture is kept
+    #[arg(long, value_enum, default_value_t = VatFormat::Png, value_name = "FORMAT", requires = "vat")]
+    pub(crate) vat_format: VatFormat,
+    /// Where the texture's normals go
+    #[arg(long, value_enum, default_value_t = VatNormals::Packed, value_name = "WHERE", requires = "vat")]
+    pub(crate) vat_normals: VatNormals,
     /// Frames a second
     #[arg(long, default_value_t = 24.0, value_name = "RATE", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) fps: f64,
@@ -123,6 +135,24 @@ pub(crate) struct Apply {
     pub(crate) strict: bool,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
+}
+
+/// Forms of a vertex animation texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum VatFormat {
+    /// 16 bits a channel
+    Png,
+    /// 32-bit floats: exact, and what Godot and Bevy read best
+    Exr,
+}
+
+/// Places for the normals of a vertex animation texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum VatNormals {
+    /// In its lower half
+    Packed,
+    /// In a texture of their own, so that twice as much fits
+    Separate,
 }
 
 /// Ways to bake.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use wirework_asset::{Limits, OutputFile, check_output, same_file, write_files};
+use wirework_asset::{Limits, MadeFile, OutputFile, check_output, same_file, write_files_and};
 use wirework_bake::{Bake, Settings};
 use wirework_preset::{Action, Chain, Effect, Preset};
 
@@ -14,10 +14,11 @@ use crate::motion::Basis;
 use crate::output::{Pattern, Scene, Target};
 use crate::posing::Posing;
 use crate::report::peak_bytes;
+use crate::sides::{Recorders, Sides, all_apart};
 use crate::source::{Source, parts};
 use crate::strain::{Length, clip_seconds, driving_clip, found, sense};
 use crate::subject::Model;
-use crate::{BakeReport, JobError, Report, Schedule, Skeleton, Subject, When, schedule};
+use crate::{BakeReport, JobError, Report, Schedule, Skeleton, Subject, VatJob, When, schedule};
 
 /// What to apply, to what, and how.
 #[derive(Clone, Debug)]
@@ -28,8 +29,12 @@ pub struct Job<'a> {
     pub preset_path: &'a Path,
     /// The model; takes the place of the preset's object. Default none.
     pub input: Option<&'a Path>,
-    /// The file to write: its extension says what. Default none, which is for a dry run only.
+    /// The file to write: its extension says what. Default none, which is for a dry run, or where there are `caches` or a `vat`.
     pub output: Option<&'a Path>,
+    /// Point caches, `.pc2` or `.mdd`, to be written too; `{node}` in the name of one makes it a file for each node. Default none.
+    pub caches: Vec<PathBuf>,
+    /// A vertex animation texture to be written too. Default none.
+    pub vat: Option<VatJob<'a>>,
     /// Whether the output may be the input. Default no.
     pub in_place: bool,
     /// A file that the caller writes afterwards, such as a report: refused where the work reads or writes it. Default
@@ -73,6 +78,8 @@ impl<'a> Job<'a> {
             preset_path,
             input: None,
             output: None,
+            caches: Vec::new(),
+            vat: None,
             in_place: false,
             report: None,
             dry_run: false,
@@ -134,8 +141,9 @@ pub(crate) fn on_threads<T: Send>(
 
 fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Report, JobError> {
     let start = Instant::now();
-    let target = target(job, &expected(job)?)?;
     let source = job.source();
+    let mut sides = Sides::of(job, &source)?;
+    let target = target(job, &expected(job)?, sides.is_empty())?;
     guard_reports(job, source.files())?;
     let Prepared { subject, effects, fit, clip, seconds, schedule, sought, mut report } =
         prepare(job, &source)?;
@@ -156,7 +164,15 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         motion.evaluation.pose_by(Posing::new((gltf, rest), clip, (motion.points, point_of))?);
     }
     motion.sense_before(seconds)?;
-    let mut film = Film { motion, schedule, shade: Duration::ZERO, write: Duration::ZERO, progress };
+    let besides = sides.meet(job, &model, &point_of, &schedule)?;
+    let recorders = if job.dry_run {
+        Recorders::default()
+    } else {
+        let clip = clip.filter(|_| !motion.evaluation.is_posed());
+        sides.recorders(&model, &point_of, besides.as_ref(), clip)?
+    };
+    let (shade, write_time) = (Duration::ZERO, Duration::ZERO);
+    let mut film = Film { motion, schedule, shade, write: write_time, recorders, progress };
     let product = match (target, model) {
         (Target::Gltf(format), model)
             if job.bake == Bake::Skin && matches!(film.schedule, Schedule::Frames { .. }) =>
@@ -168,7 +184,17 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         }
         (Target::Obj, model) => film.obj(None, model, point_of, clip, job.output)?,
         (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, clip, None)?,
+        (Target::Aside, _) => film.alone()?,
     };
+    // A baker looks at moments in an order of its own.
+    if film.recorders.wait() {
+        film.alone()?;
+    }
+    let begin = Instant::now();
+    let recorders = std::mem::take(&mut film.recorders);
+    let mut aside = sides.finish(recorders, besides.as_ref(), &film.schedule, job.fps)?;
+    film.write += begin.elapsed();
+    aside.report(&mut report);
     report.warnings.extend(product.skeleton.as_ref().and_then(Skeleton::warning));
     report.warnings.extend(product.warnings);
     report.warnings.extend(source.effect_warnings(&film.motion.evaluation));
@@ -178,7 +204,8 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         return Err(JobError::Strict(report.warnings));
     }
     let begin = Instant::now();
-    write(job, &source, &product.files)?;
+    let files: Vec<OutputFile> = product.files.into_iter().chain(aside.take_files()).collect();
+    write(job, &source, &files, &aside.made())?;
     film.write += begin.elapsed();
     account(&film, sought, &mut report);
     report.total_ms = ms(start.elapsed());
@@ -278,15 +305,26 @@ fn stands_still(
 }
 
 /// Writes the files, unless it is a dry run.
-fn write(job: &Job<'_>, source: &Source<'_>, files: &[OutputFile]) -> Result<(), JobError> {
-    if job.output.is_some() {
-        guard_reports(job, files.iter().map(|file| file.path.clone()))?;
+fn write(
+    job: &Job<'_>,
+    source: &Source<'_>,
+    files: &[OutputFile],
+    made: &[MadeFile<'_>],
+) -> Result<(), JobError> {
+    let all =
+        || files.iter().map(|file| file.path.as_path()).chain(made.iter().map(|file| file.path.as_path()));
+    if job.output.is_some() || !made.is_empty() {
+        guard_reports(job, all().map(Path::to_path_buf))?;
     }
     if !job.dry_run {
         for file in files.iter().filter(|file| file.replace) {
             source.guard(&file.path, job.in_place)?;
         }
-        write_files(files)?;
+        made.iter().try_for_each(|file| source.guard(&file.path, false))?;
+        if !made.is_empty() {
+            all_apart(all())?;
+        }
+        write_files_and(files, made)?;
     }
     Ok(())
 }
@@ -325,13 +363,13 @@ pub(crate) fn check_place(path: &Path, sequence: bool) -> Result<(), JobError> {
 }
 
 /// What to write; refuses what cannot be before any work is done.
-fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, JobError> {
+fn target(job: &Job<'_>, schedule: &Schedule, alone: bool) -> Result<Target, JobError> {
     let request = |message: &str| Err(JobError::Request(message.to_owned()));
     let Some(path) = job.output else {
-        return if job.dry_run {
-            Ok(Target::Gltf(wirework_asset::Format::Glb))
-        } else {
-            request("there is no output: give one, or do a dry run")
+        return match (alone, job.dry_run) {
+            (false, _) => Ok(Target::Aside),
+            (true, true) => Ok(Target::Gltf(wirework_asset::Format::Glb)),
+            (true, false) => request("there is no output: give one, or do a dry run"),
         };
     };
     job.source().guard(path, job.in_place)?;
@@ -341,7 +379,9 @@ fn target(job: &Job<'_>, schedule: &Schedule) -> Result<Target, JobError> {
     }
     let name = wirework_asset::printable(&path.display().to_string());
     let Some(target) = Target::of(path) else {
-        return request(&format!("{name}: found another extension, expected .glb, .gltf or .obj"));
+        return request(&format!(
+            "{name}: found another extension, expected .glb, .gltf, .obj, .pc2 or .mdd"
+        ));
     };
     let animation = matches!((&target, schedule), (Target::Gltf(_), Schedule::Frames { .. }));
     match (&target, schedule) {
@@ -372,7 +412,7 @@ fn guard_reports(job: &Job<'_>, paths: impl IntoIterator<Item = PathBuf>) -> Res
 }
 
 /// Refuses a report in the place of a file that is read or written.
-fn guard_report(job: &Job<'_>, path: &Path) -> Result<(), JobError> {
+pub(crate) fn guard_report(job: &Job<'_>, path: &Path) -> Result<(), JobError> {
     match job.report {
         Some(report) if same_place(report, path) => {
             let name = wirework_asset::printable(&report.display().to_string());
@@ -383,7 +423,7 @@ fn guard_report(job: &Job<'_>, path: &Path) -> Result<(), JobError> {
 }
 
 /// Whether two paths are of one file, be it there or not yet.
-fn same_place(a: &Path, b: &Path) -> bool {
+pub(crate) fn same_place(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         Some(folder.canonicalize().ok()?.join(path.file_name()?))

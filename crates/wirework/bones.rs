@@ -150,6 +150,7 @@ impl Film<'_> {
         let frames = self.schedule.count();
         for (done, (_, seconds)) in self.schedule.moments().enumerate() {
             self.motion.at(seconds)?;
+            self.record(seconds)?;
             if let Some((moment, _)) = self.motion.evaluation.moment() {
                 vertices.repose(moment)?;
             }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 use wirework_asset::{AssetError, ErrorClass, printable};
-use wirework_bake::BakeError;
+use wirework_bake::{BakeError, CacheError, VatError, VatNormals};
 use wirework_core::BindError;
 use wirework_preset::{ObjectError, PresetError, PresetErrorKind};
 use wirework_render::{EncodeError, MAX_SIDE, RenderError};
@@ -92,6 +92,15 @@ pub enum JobError {
     /// Frames cannot be baked.
     #[error(transparent)]
     Bake(#[from] BakeError),
+    /// A point cache would have too many points or frames.
+    #[error(transparent)]
+    Cache(#[from] CacheError),
+    /// A texture would be too large.
+    #[error("{0} ({less})", less = less(.0))]
+    Vat(#[from] VatError),
+    /// Frames that were kept on the disk cannot be read again.
+    #[error("frames that were kept cannot be read again: {0}")]
+    Store(String),
     /// The request does not fit itself or the input.
     #[error("{0}")]
     Request(String),
@@ -158,6 +167,8 @@ impl JobError {
             Self::Schedule(ScheduleError::TooMany { .. })
             | Self::Bake(BakeError::TooManyTargets { .. } | BakeError::Tolerance { .. })
             | Self::Refine(SubdivideError::TooMany { .. })
+            | Self::Cache(_)
+            | Self::Vat(_)
             | Self::Row { .. } => Fault::Limit,
             Self::Render(RenderError::Size { .. } | RenderError::Samples { .. } | RenderError::TooMany) => {
                 Fault::Limit
@@ -170,9 +181,18 @@ impl JobError {
             | Self::Normals(_)
             | Self::Refine(_)
             | Self::Bake(_)
+            | Self::Store(_)
             | Self::NoFolder(_)
             | Self::Threads(..) => Fault::Work,
         }
+    }
+}
+
+/// What makes less of a texture.
+fn less(error: &VatError) -> &'static str {
+    match error.normals {
+        VatNormals::Packed => "`--frames`, a lower `--fps` or `--vat-normals separate` makes it less",
+        VatNormals::Separate => "`--frames` or a lower `--fps` makes it less",
     }
 }
 

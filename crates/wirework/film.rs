@@ -16,6 +16,7 @@ use crate::motion::Motion;
 use crate::output::{Pattern, Scene, scene_mesh};
 use crate::parts::MeshPart;
 use crate::shade::{Follow, Vertices, own_normals};
+use crate::sides::Recorders;
 use crate::subject::Model;
 use crate::{Evaluation, Job, JobError, NewClip, Progress, Schedule, Skeleton};
 
@@ -37,6 +38,8 @@ pub(crate) struct Film<'a> {
     pub(crate) schedule: Schedule,
     pub(crate) shade: Duration,
     pub(crate) write: Duration,
+    /// What takes in every moment besides.
+    pub(crate) recorders: Recorders<'a>,
     pub(crate) progress: &'a mut (dyn FnMut(Progress) + Send),
 }
 
@@ -50,6 +53,7 @@ impl Film<'_> {
         let frames = self.schedule.count();
         for (done, (frame, seconds)) in self.schedule.moments().enumerate() {
             self.motion.at(seconds)?;
+            self.record(seconds)?;
             let start = Instant::now();
             vertices.iter_mut().try_for_each(|list| list.follow(&self.motion))?;
             let shaded = Instant::now();
@@ -59,6 +63,20 @@ impl Film<'_> {
             (self.progress)(Progress { done: done + 1, frames });
         }
         Ok(())
+    }
+
+    /// Lets what is written besides take in the present moment.
+    pub(crate) fn record(&mut self, seconds: f64) -> Result<(), JobError> {
+        let start = Instant::now();
+        self.recorders.take(&self.motion, seconds)?;
+        self.write += start.elapsed();
+        Ok(())
+    }
+
+    /// Nothing but what takes in the moments.
+    pub(crate) fn alone(&mut self) -> Result<Product, JobError> {
+        self.play(&mut [], |_, _, _, _| Ok(()))?;
+        Ok(Product::default())
     }
 
     /// A glTF document; `under` is the clip that poses what the effect works on.
@@ -212,19 +230,19 @@ impl Moments for Takes<'_, '_> {
 }
 
 /// A scene as a clip poses it, with an effect on it.
-struct Posed<'a> {
+pub(crate) struct Posed<'a> {
     player: Player<'a>,
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) normals: Vec<[f32; 3]>,
 }
 
 impl<'a> Posed<'a> {
-    fn new(gltf: &'a Gltf, rest: &Rest, clip: usize) -> Result<Self, JobError> {
+    pub(crate) fn new(gltf: &'a Gltf, rest: &Rest, clip: usize) -> Result<Self, JobError> {
         Ok(Self { player: gltf.player(rest, Some(clip))?, positions: Vec::new(), normals: Vec::new() })
     }
 
     /// Poses vertices that the effect has moved from the rest.
-    fn pose(
+    pub(crate) fn pose(
         &mut self,
         rest: &Rest,
         seconds: f64,

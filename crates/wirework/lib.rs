@@ -112,7 +112,7 @@
 //! | [`wrinkle`] | crease wires from a pattern on a surface |
 //! | [`preset`] | RON text to a checked effect |
 //! | [`asset`] | glTF and OBJ: reading, and writing behind what was there |
-//! | [`bake`] | frames to morph targets and a clip |
+//! | [`bake`] | frames to morph targets and a clip, to point caches, to a texture |
 //! | [`render`] | pictures of meshes and wires |
 //!
 //! Here they are put together: [`Subject`] is what an effect works on, [`Evaluation`] the effect at any time,
@@ -120,6 +120,7 @@
 
 mod apply;
 mod bones;
+mod caches;
 mod decode;
 mod error;
 mod evaluate;
@@ -139,16 +140,19 @@ mod pieces;
 mod posing;
 mod preset_file;
 mod reach;
+mod record;
 mod refine;
 mod report;
 mod schedule;
 mod sew;
 mod shade;
+mod sides;
 mod source;
 mod stage;
 mod strain;
 mod subject;
 mod unfit;
+mod vat;
 mod weld;
 
 pub use wirework_asset as asset;
@@ -166,6 +170,7 @@ pub use wirework_preset::parse;
 pub use wirework_surface::Mesh;
 
 pub use apply::{Job, Progress, apply};
+pub use caches::CacheFacts;
 pub use error::{Fault, JobError};
 pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{
@@ -182,3 +187,4 @@ pub use refine::{FinerMesh, Refinement};
 pub use report::{BakeReport, NewClip, NodeReport, Report, Skeleton};
 pub use schedule::{Schedule, ScheduleError, When, schedule};
 pub use subject::{FileKind, Model, Subject};
+pub use vat::{VatFacts, VatJob};

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use wirework_asset::{Format, Gltf, Limits, NewMesh, OutputFile, Rest};
+use wirework_bake::CacheFormat;
 use wirework_surface::{Mesh, VertexMesh};
 
 use crate::JobError;
@@ -22,6 +23,8 @@ pub(crate) enum Target {
     Obj,
     /// An OBJ file for each frame.
     ObjSequence(Pattern),
+    /// Nothing but point caches and textures, which are written beside the others too.
+    Aside,
 }
 
 /// The name of the files of a sequence.
@@ -34,10 +37,13 @@ pub(crate) struct Pattern {
 }
 
 impl Target {
-    /// What `path` asks for by its extension, `.glb`, `.gltf` or `.obj`, and for an OBJ by `####` in its name.
+    /// What `path` asks for by its extension, `.glb`, `.gltf`, `.obj`, `.pc2` or `.mdd`, and for an OBJ by `####` in its name.
     pub(crate) fn of(path: &Path) -> Option<Self> {
         if let Some(format) = Format::of(path) {
             return Some(Self::Gltf(format));
+        }
+        if CacheFormat::of(path).is_some() {
+            return Some(Self::Aside);
         }
         let extension = path.extension()?.to_str()?;
         if !extension.eq_ignore_ascii_case("obj") {
@@ -143,6 +149,7 @@ mod tests {
         assert_eq!(of("b.GLTF"), Some(Target::Gltf(Format::Gltf)));
         assert_eq!(of("b.obj"), Some(Target::Obj));
         assert_eq!(of("b##.obj"), Some(Target::Obj));
+        assert_eq!((of("b.pc2"), of("b.MDD")), (Some(Target::Aside), Some(Target::Aside)));
         assert_eq!(of("b.fbx"), None);
         assert_eq!(of("obj"), None);
         let Some(Target::ObjSequence(pattern)) = of("a/x_####_######.y.obj") else { panic!() };

@@ -11,6 +11,7 @@ use crate::fit::Fit;
 use crate::mask::masks;
 use crate::motion::Basis;
 use crate::output::Scene;
+use crate::sides::Recorders;
 use crate::weld::bits;
 use crate::{Fault, Job, When, schedule};
 
@@ -46,7 +47,8 @@ fn written(subject: Subject, preset: &Preset, when: &When) -> Gltf {
     let fit = Fit { masks, ..Fit::default() };
     let motion = basis.bind(&preset.effects, fit).unwrap();
     let (shade, write) = (Duration::ZERO, Duration::ZERO);
-    let mut film = Film { motion, schedule, shade, write, progress: &mut |_| {} };
+    let recorders = Recorders::default();
+    let mut film = Film { motion, schedule, shade, write, recorders, progress: &mut |_| {} };
     let path = Path::new("preset.ron");
     let scene = Scene::new(model, point_of, &limits).unwrap();
     let product = film.gltf(&Job::new(preset, path), Format::Glb, scene, None).unwrap();

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use wirework_bake::{Bake, NodeBake, Played};
 
-use crate::FinerMesh;
+use crate::{CacheFacts, FinerMesh, VatFacts};
 
 /// Counts and times. As JSON it is the command's report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -37,6 +37,10 @@ pub struct Report {
     pub bake: Option<BakeReport>,
     /// The meshes that were subdivided, as effects with `refine: Auto` ask for.
     pub refined: Vec<FinerMesh>,
+    /// The point caches.
+    pub caches: Vec<CacheFacts>,
+    /// The vertex animation texture, where there is one.
+    pub vat: Option<VatFacts>,
     /// What was repaired, passed over, or is hardly meant.
     pub warnings: Vec<String>,
 }

@@ -116,7 +116,12 @@ impl Vertices {
 
     /// Starts from another rest of the same scene, as a clip poses it.
     pub(crate) fn repose(&mut self, moment: &Rest) -> Result<(), NormalsError> {
-        let new = Self::of_scene(moment, std::mem::take(&mut self.point_of))?;
+        let point_of = std::mem::take(&mut self.point_of);
+        if self.shading.is_none() {
+            *self = Self { who: self.who, ..Self::new(moment.positions.clone(), point_of) };
+            return Ok(());
+        }
+        let new = Self::of_scene(moment, point_of)?;
         *self = match self.who {
             Some(who) => new.with_tangents(moment, who)?,
             None => new,

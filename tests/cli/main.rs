@@ -2,6 +2,7 @@
 #![cfg(feature = "cli")]
 
 mod apply;
+mod caches;
 mod commands;
 mod document;
 mod effects;
@@ -24,6 +25,7 @@ mod skeleton;
 mod stitches;
 mod storage;
 mod tangents;
+mod textures;
 mod wire_skins;
 mod wrinkles;
 

@@ -42,7 +42,31 @@ impl OutputFile {
 /// Writes files, in their order: all are written beside their places and flushed before the first takes its place,
 /// so that a failure leaves what was there before, and nothing else.
 pub fn write_files(files: &[OutputFile]) -> Result<(), AssetError> {
-    write_each(files.iter().map(|file| Ok(Cow::Borrowed(file))))
+    write_files_and(files, &[])
+}
+
+/// Writes the bytes of a file to what it is given.
+pub type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> std::io::Result<()> + 'a>;
+
+/// A file whose bytes are made while it is written, for they are too many to be kept. It replaces what stands in its place.
+pub struct MadeFile<'a> {
+    /// Where.
+    pub path: PathBuf,
+    /// Whether folders are made that are not there.
+    pub folders: bool,
+    /// Writes it.
+    pub write: WriteBytes<'a>,
+}
+
+impl std::fmt::Debug for MadeFile<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MadeFile").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+/// Writes files as [`write_files`] does, and behind them those that are made meanwhile: all of them, or none.
+pub fn write_files_and(files: &[OutputFile], made: &[MadeFile<'_>]) -> Result<(), AssetError> {
+    write_each(files.iter().map(|file| Ok(Cow::Borrowed(file))), made)
 }
 
 /// Files that are made one after the other and written together: until then they are kept out of memory, in a file without a name that
@@ -95,12 +119,15 @@ impl Spool {
     pub fn write(mut self) -> Result<(), AssetError> {
         self.store.rewind().map_err(|error| Self::failed(&error))?;
         let Self { mut store, files } = self;
-        write_each(files.into_iter().map(|(mut file, length)| {
-            let mut bytes = vec![0; length];
-            store.read_exact(&mut bytes).map_err(|error| Self::failed(&error))?;
-            file.parts = vec![bytes.into()];
-            Ok(Cow::Owned(file))
-        }))
+        write_each(
+            files.into_iter().map(|(mut file, length)| {
+                let mut bytes = vec![0; length];
+                store.read_exact(&mut bytes).map_err(|error| Self::failed(&error))?;
+                file.parts = vec![bytes.into()];
+                Ok(Cow::Owned(file))
+            }),
+            &[],
+        )
     }
 
     fn failed(error: &std::io::Error) -> AssetError {
@@ -110,9 +137,10 @@ impl Spool {
 
 fn write_each<'f>(
     files: impl Iterator<Item = Result<Cow<'f, OutputFile>, AssetError>>,
+    more: &[MadeFile<'_>],
 ) -> Result<(), AssetError> {
     let mut made = Vec::new();
-    let result = write_all(files, &mut made);
+    let result = write_all(files, more, &mut made);
     if result.is_err() {
         // Only folders that are still empty go, the innermost first.
         made.iter().rev().for_each(|folder| drop(fs::remove_dir(folder)));
@@ -122,6 +150,7 @@ fn write_each<'f>(
 
 fn write_all<'f>(
     files: impl Iterator<Item = Result<Cow<'f, OutputFile>, AssetError>>,
+    more: &[MadeFile<'_>],
     made: &mut Vec<PathBuf>,
 ) -> Result<(), AssetError> {
     // Closed, for a process may not have thousands of files open.
@@ -151,11 +180,34 @@ fn write_all<'f>(
         if file.folders {
             make_folders(folder_of(&path), made)?;
         }
-        ready.push((prepare(&path, &file.parts, metadata.as_ref())?.into_temp_path(), path));
+        let write = |out: &mut File| write_parts(out, &file.parts);
+        ready.push((prepare(&path, write, metadata.as_ref())?.into_temp_path(), path));
+    }
+    let mut made_devices = Vec::new();
+    for file in more {
+        let path = resolve(&file.path);
+        let metadata = fs::metadata(&path).ok();
+        if metadata.as_ref().is_some_and(fs::Metadata::is_dir) {
+            return Err(refused(&path, "a folder", "a file, or no file yet"));
+        }
+        if metadata.as_ref().is_some_and(|metadata| !metadata.is_file()) {
+            made_devices.push((path, file));
+            continue;
+        }
+        if file.folders {
+            make_folders(folder_of(&path), made)?;
+        }
+        let write = |out: &mut File| (file.write)(out);
+        ready.push((prepare(&path, write, metadata.as_ref())?.into_temp_path(), path));
     }
     for (path, parts) in devices {
         let file = fs::OpenOptions::new().write(true).open(&path);
         let written = file.and_then(|mut file| write_parts(&mut file, &parts));
+        written.map_err(|error| AssetError::output(&path, &error, "write"))?;
+    }
+    for (path, made) in made_devices {
+        let file = fs::OpenOptions::new().write(true).open(&path);
+        let written = file.and_then(|mut file| (made.write)(&mut file));
         written.map_err(|error| AssetError::output(&path, &error, "write"))?;
     }
     let mut folders = BTreeSet::new();
@@ -188,8 +240,12 @@ fn write_parts(file: &mut impl Write, parts: &[Content]) -> std::io::Result<()> 
     out.flush()
 }
 
-/// Writes the parts to a new file in the folder of `path`.
-fn prepare(path: &Path, parts: &[Content], old: Option<&fs::Metadata>) -> Result<NamedTempFile, AssetError> {
+/// Writes a new file in the folder of `path`.
+fn prepare(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> std::io::Result<()>,
+    old: Option<&fs::Metadata>,
+) -> Result<NamedTempFile, AssetError> {
     let fail = |error: &std::io::Error| AssetError::output(path, error, "write");
     let folder = folder_of(path);
     if !folder.is_dir() {
@@ -204,7 +260,7 @@ fn prepare(path: &Path, parts: &[Content], old: Option<&fs::Metadata>) -> Result
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).map_err(|error| fail(&error))?;
-    write_parts(&mut file, parts).map_err(|error| fail(&error))?;
+    write(file.as_file_mut()).map_err(|error| fail(&error))?;
     if let Some(old) = old {
         if old.permissions().readonly() {
             return Err(refused(path, "a file that is read-only", "one that may be replaced"));
@@ -316,6 +372,26 @@ mod tests {
         spool.add(OutputFile::new(at(0), b"new".to_vec())).unwrap();
         spool.add(OutputFile::new(folder.path(), b"new".to_vec())).unwrap();
         assert!(spool.write().is_err() && fs::read(at(0)).unwrap() == b"0", "none is written");
+    }
+
+    #[test]
+    fn files_that_are_made_stand_or_fall_with_the_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let file = [OutputFile::new(at("a"), b"a".to_vec())];
+        let made = |name: &str, fails: bool| MadeFile {
+            path: at(name),
+            folders: true,
+            write: Box::new(move |out| {
+                out.write_all(b"made")?;
+                if fails { Err(std::io::Error::other("no more")) } else { Ok(()) }
+            }),
+        };
+        let error = write_files_and(&file, &[made("new/b", false), made("c", true)]).unwrap_err();
+        assert!(error.class == ErrorClass::Io && error.to_string().contains("no more"), "{error}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "neither files nor folders");
+        write_files_and(&file, &[made("new/b", false), made("c", false)]).unwrap();
+        assert!(fs::read(at("new/b")).unwrap() == b"made" && fs::read(at("a")).unwrap() == b"a");
     }
 
     #[cfg(unix)]

@@ -9,11 +9,15 @@
 //! clip takes the channels of the other one along.
 //!
 //! What bones do needs no targets: a [`BoneBaker`] takes where joints are to be and gives them tracks.
+//!
+//! Engines and programs that take no morph targets get every vertex at every frame: in point caches ([`cache_head`],
+//! [`cache_sample_into`]), or in a vertex animation texture ([`Vat`]). Both are plain bytes of plain numbers.
 
 mod adapt;
 mod areas;
 mod bake;
 mod bones;
+mod cache;
 mod error;
 mod field;
 mod frames;
@@ -24,13 +28,19 @@ mod span;
 mod study;
 mod subspace;
 mod track;
+mod vat;
 mod vectors;
 mod writer;
 
 pub use adapt::Moments;
 pub use bake::bake;
 pub use bones::{Bone, BoneBaker, World};
+pub use cache::{CacheError, CacheFormat, CacheHead, cache_head, cache_sample_into};
 pub use error::BakeError;
 pub use frames::Baker;
 pub use settings::{Bake, CROWDED, Settings};
+pub use vat::{
+    MAX_SIDE, Vat, VatClip, VatError, VatFormat, VatLayout, VatNormals, VatRange, remap_info, write_exr,
+    write_png,
+};
 pub use writer::{Baked, Frame, NodeBake, Played};

@@ -75,7 +75,7 @@ pub(super) fn shoulder() -> Vec<usize> {
 }
 
 /// The figure. Its hips and all that hangs on them move in the clip "swing", if `moves`.
-pub(super) fn figure(moves: bool) -> Doc {
+pub(crate) fn figure(moves: bool) -> Doc {
     let mut doc = Doc::new();
     let all = vertices();
     let flat = |value: &dyn Fn(&Vertex) -> Vec<f64>| -> Vec<f32> {

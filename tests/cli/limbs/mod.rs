@@ -3,7 +3,7 @@
 mod faults;
 mod goals;
 mod hostile;
-mod made;
+pub(crate) mod made;
 mod posed;
 mod stacks;
 mod tube;

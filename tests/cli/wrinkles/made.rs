@@ -53,13 +53,13 @@ fn indices(doc: &mut Doc, faces: &[[usize; 3]]) -> usize {
 }
 
 /// The radius of [`arm`], and its length along x, the elbow in its middle.
-pub(super) const ARM: (f64, f64) = (0.1, 1.0);
+pub(crate) const ARM: (f64, f64) = (0.1, 1.0);
 /// Seconds of its clip, and the angle by which it bends, degrees.
 pub(super) const BENDING: (f64, f64) = (2.0, 100.0);
 
 /// A tube along x of so many sides and rings of quadrangles on two joints, with a seam of texture coordinates, and a clip "bend" that
 /// bends it up at the elbow, round z, and back.
-pub(super) fn arm(sides: usize, rings: usize) -> Doc {
+pub(crate) fn arm(sides: usize, rings: usize) -> Doc {
     let (radius, length) = ARM;
     let mut doc = Doc::new();
     let vertex = |i: usize, j: usize| {

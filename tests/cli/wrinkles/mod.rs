@@ -5,7 +5,7 @@ mod faults;
 mod fineness;
 mod finer;
 mod grid;
-mod made;
+pub(crate) mod made;
 mod real;
 mod strained;
 mod surfaces;
