@@ -9,6 +9,8 @@
 //! clip takes the channels of the other one along.
 //!
 //! What bones do needs no targets: a [`BoneBaker`] takes where joints are to be and gives them tracks.
+//!
+//! What a moment does to a surface can be a picture too: [`map`] makes a normal map and a height map of it.
 
 mod adapt;
 mod areas;
@@ -17,6 +19,7 @@ mod bones;
 mod error;
 mod field;
 mod frames;
+pub mod map;
 mod play;
 mod principal;
 mod settings;
