@@ -16,6 +16,14 @@ const EXIT_CODES: &str = "Exit codes:
   4  the preset
   5  a limit";
 
+/// What stands below the help of `bake-map`.
+const MAPS: &str = "The maps are for the model at rest, in its own texture coordinates:
+  OUT_normal.png  tangent space as glTF has it, flat at (128, 128, 255); not sRGB
+  OUT_height.png  16 bits, metres = (value - 0.5) * scale; the scale is told, and stands in OUT_map.json
+  OUT_mask.png    with --masks: a group of creases in each of red, green, blue and alpha; more in OUT_mask2.png
+  OUT_map.json    all numbers: the scale, what each channel is, and its weight in time
+An engine shows normals mixed between flat and the map by the sum of mask times weight.";
+
 /// Wrinkles and other deformations by wires, for glTF and OBJ models.
 #[derive(Debug, Parser)]
 #[command(name = "wirework", version, after_help = EXIT_CODES, max_term_width = 100)]
@@ -57,6 +65,8 @@ pub(crate) enum Command {
     Apply(Box<Apply>),
     /// Render a preset or a model: a picture, a row of moments, an animation
     Render(Box<Render>),
+    /// Bake what a preset does to a model's surface: a normal map, a height map, and masks to blend them
+    BakeMap(Box<BakeMap>),
     /// Check presets: syntax, values, and whether they fit their own objects or a model; nothing is written
     Check(Check),
     /// Print a preset to begin with: every field, its default, and what it does
@@ -233,6 +243,74 @@ pub(crate) struct Render {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = MAPS)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
+pub(crate) struct BakeMap {
+    /// The preset: a RON file; `-` reads standard input
+    pub(crate) preset: PathBuf,
+    /// The model, .glb, .gltf or .obj; takes the place of the preset's own object
+    pub(crate) input: Option<PathBuf>,
+    /// What the names of the files begin with, `OUT_normal.png` and so on; a folder, or a name that ends in a slash, takes files named after the model
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// The moment that the maps show. Default: the one at which the effect has moved most
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) at: Option<f64>,
+    /// Texels of a side, or across and down, 1 to 8192 each
+    #[arg(long, default_value = "1024", value_name = "N|WxH", value_parser = map_size)]
+    pub(crate) size: [u32; 2],
+    /// Rings of texels beyond the islands, for mipmaps and filtering, 0 to 256
+    #[arg(long, default_value_t = 8, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(0..=256))]
+    pub(crate) padding: u32,
+    /// Samples along each side of a texel, 1 to 8
+    #[arg(long, default_value_t = 2, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub(crate) samples: u32,
+    /// Bits of a channel of the normal map, 8 or 16; heights have 16, masks 8
+    #[arg(long, default_value = "8", value_name = "8|16", value_parser = ["8", "16"])]
+    pub(crate) bits: String,
+    /// Green downwards, as DirectX and Unreal have it; without it upwards, as glTF, OpenGL, Blender and Unity do
+    #[arg(long)]
+    pub(crate) flip_green: bool,
+    /// Only meshes of the node of this name. Default: all that the effect moves
+    #[arg(long, value_name = "NAME")]
+    pub(crate) node: Option<String>,
+    /// Only what has the material of this name. Default: all that the effect moves
+    #[arg(long, value_name = "NAME")]
+    pub(crate) material: Option<String>,
+    /// The set of texture coordinates. Default: that of the material's normal map, else 0
+    #[arg(long, value_name = "SET")]
+    pub(crate) uv: Option<usize>,
+    /// Work the effect out on the model's own vertices, and not on a copy as fine as folds and texels need it
+    #[arg(long)]
+    pub(crate) no_refine: bool,
+    /// Masks too, for N groups of neighbouring creases in each effect at most, 1 to 64; 4 without a number
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "4",
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) masks: Option<u32>,
+    /// Frames a second at which the weights of masks are looked at
+    #[arg(long, default_value_t = 24.0, value_name = "RATE", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) fps: f64,
+    /// The clip of the input that drives effects with `drive: Strain`. Default: the first
+    #[arg(long, value_name = "NAME")]
+    pub(crate) clip: Option<String>,
+    /// Write what was made, the range of heights and the weights of masks above all, as JSON to a file; `-` is standard output.
+    /// The same stands in `OUT_map.json`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Do everything but write
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// How many threads work; the maps do not depend on it. Default: one a processor
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
+    /// Take warnings as errors
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct Check {
     /// The presets; `-` reads standard input
     #[arg(required = true, value_name = "PRESET")]
@@ -322,6 +400,14 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let sides = sides.filter(|sides: &[u32; 2]| !sides.contains(&0));
     sides.ok_or_else(|| "expected WIDTHxHEIGHT in pixels, such as 960x540".to_owned())
+}
+
+fn map_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.parse().ok().map(|side| [side; 2]).or_else(|| size(text).ok());
+    let possible = |sides: &[u32; 2]| sides.iter().all(|side| (1..=8192).contains(side));
+    sides
+        .filter(possible)
+        .ok_or_else(|| "expected texels, such as 1024 or 2048x1024, 1 to 8192 each".to_owned())
 }
 
 fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {

@@ -3,6 +3,7 @@
 
 mod apply;
 mod args;
+mod bake_map;
 mod check;
 mod console;
 mod diagnostics;
@@ -53,6 +54,7 @@ fn run(console: Console, command: &Command) -> Result<(), Failure> {
     match command {
         Command::Apply(args) => apply::run(console, args),
         Command::Render(args) => render::run(console, args),
+        Command::BakeMap(args) => bake_map::run(console, args),
         Command::Check(args) => check::run(console, args),
         Command::New(args) => shell::new(args),
         Command::Inspect(args) => inspect::run(console, args),

@@ -31,7 +31,8 @@ pub(crate) fn man() -> Result<(), Failure> {
             let man = Man::new(command.clone());
             man.render_name_section(&mut out)?;
             man.render_synopsis_section(&mut out)?;
-            man.render_options_section(&mut out)
+            man.render_options_section(&mut out)?;
+            if command.get_after_help().is_some() { man.render_extra_section(&mut out) } else { Ok(()) }
         })
     });
     rendered.map_err(|error| Failure::work(format!("the manual cannot be made: {error}")))?;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 use wirework_asset::{AssetError, ErrorClass, printable};
+use wirework_bake::map::MapError;
 use wirework_bake::{BakeError, CacheError, VatError, VatNormals};
 use wirework_core::BindError;
 use wirework_preset::{ObjectError, PresetError, PresetErrorKind};
@@ -89,6 +90,30 @@ pub enum JobError {
     /// A surface cannot be made finer.
     #[error("the surface cannot be made finer: {0}")]
     Refine(#[from] SubdivideError),
+    /// Maps cannot be made.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// Maps would be larger than what may be held.
+    #[error(
+        "the maps take {bytes} bytes, more than the {limit} that are allowed: make smaller ones with `--size`, or raise the limit with \
+         `--max-expanded-bytes`"
+    )]
+    MapSize {
+        /// What they take.
+        bytes: u64,
+        /// What is allowed.
+        limit: u64,
+    },
+    /// Nothing that maps are asked for has texture coordinates.
+    #[error("{}: {found}, expected texture coordinates: a map needs them; unwrap the mesh, or choose a set with `--uv`", printable(.file))]
+    NoTextureCoordinates {
+        /// The model, or the preset that brings it along.
+        file: String,
+        /// The first mesh, and the set it lacks.
+        found: String,
+        /// Whether the object is made of numbers in the preset.
+        own: bool,
+    },
     /// Frames cannot be baked.
     #[error(transparent)]
     Bake(#[from] BakeError),
@@ -151,6 +176,7 @@ impl JobError {
             Self::UnknownFile { .. }
             | Self::Mesh(_)
             | Self::Strict(_)
+            | Self::NoTextureCoordinates { own: false, .. }
             | Self::NothingToSee { own: false, .. } => Fault::Asset,
             Self::Evaluate(error) | Self::Unfit { error, .. } => of_evaluation(error),
             Self::OwnObject(error) => match of_evaluation(error) {
@@ -163,17 +189,20 @@ impl JobError {
             | Self::Object(_)
             | Self::OutOfRange { .. }
             | Self::NothingToSee { own: true, .. }
+            | Self::NoTextureCoordinates { own: true, .. }
             | Self::Bake(BakeError::Frame { .. }) => Fault::Preset,
             Self::Schedule(ScheduleError::TooMany { .. })
             | Self::Bake(BakeError::TooManyTargets { .. } | BakeError::Tolerance { .. })
             | Self::Refine(SubdivideError::TooMany { .. })
             | Self::Cache(_)
             | Self::Vat(_)
+            | Self::MapSize { .. }
             | Self::Row { .. } => Fault::Limit,
             Self::Render(RenderError::Size { .. } | RenderError::Samples { .. } | RenderError::TooMany) => {
                 Fault::Limit
             }
             Self::Schedule(_)
+            | Self::Map(MapError::Range { .. })
             | Self::Request(_)
             | Self::Render(_)
             | Self::Encode(EncodeError::Fps { .. }) => Fault::Request,
@@ -182,6 +211,7 @@ impl JobError {
             | Self::Refine(_)
             | Self::Bake(_)
             | Self::Store(_)
+            | Self::Map(_)
             | Self::NoFolder(_)
             | Self::Threads(..) => Fault::Work,
         }

@@ -7,6 +7,8 @@
 //! `units: Bounds` are parts of the object at rest, for all effects of a list alike. A lattice stays where it is, whatever the
 //! effects before it have done to the object.
 
+mod portions;
+
 use std::time::{Duration, Instant};
 
 use thiserror::Error;

@@ -38,6 +38,11 @@ impl Span {
         Self { from: 0.0, to: duration }
     }
 
+    /// Lengthened to take in a moment, where one is asked for.
+    pub(crate) fn at(self, seconds: Option<f64>) -> Self {
+        seconds.map_or(self, |s| Self { from: self.from.min(s), to: self.to.max(s) })
+    }
+
     /// Lengthened to take in what is asked for.
     pub(crate) fn with(self, schedule: &Schedule) -> Self {
         let (first, last) = schedule.ends();
@@ -98,7 +103,7 @@ fn keep(wanted: &mut [f32], own: &[f32], factors: Option<&[f32]>, triangles: &[[
 }
 
 /// Notes the edges that creases want at any time.
-fn want(
+pub(crate) fn want(
     creases: &mut Creases,
     wrinkle: &Wrinkle,
     span: Span,

@@ -130,6 +130,7 @@ mod fit;
 mod inspect;
 mod joints;
 mod limbs;
+mod maps;
 mod mask;
 mod motion;
 mod net;
@@ -177,6 +178,7 @@ pub use inspect::{
     AnimationFacts, AssetFacts, BorderFacts, BoundsFacts, EffectFacts, MeshFacts, NodeFacts, PartFacts,
     PieceFacts, PresetFacts, RefusedAsset, SeamFacts, SkinFacts, inspect_asset,
 };
+pub use maps::{MapGroup, MapHeight, MapJob, MapMask, MapMesh, MapReport, bake_map};
 pub use mask::check_images;
 pub use net::ControlNet;
 pub use parts::MeshPart;

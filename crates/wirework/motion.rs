@@ -4,6 +4,7 @@ use wirework_preset::{Effect, ObjectError};
 use wirework_surface::{Bounds, Tessellation};
 
 use crate::fit::Fit;
+use crate::stage::Take;
 use crate::strain::sense_before;
 use crate::subject::{Model, Origin, Subject};
 use crate::unfit::unfit;
@@ -87,6 +88,22 @@ impl Motion<'_> {
     /// Tells effects that no clip drives how those before them compress the surface in the course of `duration` seconds.
     pub(crate) fn sense_before(&mut self, duration: f64) -> Result<(), JobError> {
         sense_before(&mut self.evaluation, duration).map_err(unfit(self.origin, self.effects))
+    }
+
+    /// Works out a moment, and hands each part of each effect to `take`, as [`Evaluation::portions`] does. Of a surface that is controlled
+    /// by others there are none.
+    pub(crate) fn portions(
+        &mut self,
+        seconds: f64,
+        most: usize,
+        take: &mut Take<'_>,
+    ) -> Result<(), JobError> {
+        if self.net.is_some() {
+            return Ok(());
+        }
+        let mut part = self.now.clone();
+        let buffers = (self.now.as_mut_slice(), part.as_mut_slice());
+        self.evaluation.portions(seconds, most, buffers, take).map_err(unfit(self.origin, self.effects))
     }
 
     /// Works out where the points are at a moment.

@@ -1,5 +1,7 @@
 //! One effect of a list, bound to the result of the one before.
 
+mod portion;
+
 use std::time::Instant;
 
 use wirework_core::{BindError, Binding, Blend, Lattice, LatticeBinding, Weights, WeightsError, Wire};
@@ -14,6 +16,8 @@ use crate::posing::Posing;
 use crate::sew::Part;
 use crate::weld::bits;
 use crate::{EvaluateError, Spent};
+
+pub(crate) use portion::{Portion, Take};
 
 /// One effect of a list.
 #[derive(Debug)]

@@ -13,6 +13,7 @@ mod hostile;
 mod inspect;
 mod limbs;
 mod made_files;
+mod maps;
 mod masks;
 mod morphs;
 mod nothing_lost;

@@ -34,6 +34,7 @@ mod limits;
 mod lineage;
 mod local;
 mod look;
+mod mapped;
 mod merge;
 mod meshopt;
 mod moment;

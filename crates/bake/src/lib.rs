@@ -12,6 +12,8 @@
 //!
 //! Engines and programs that take no morph targets get every vertex at every frame: in point caches ([`cache_head`],
 //! [`cache_sample_into`]), or in a vertex animation texture ([`Vat`]). Both are plain bytes of plain numbers.
+//!
+//! What a moment does to a surface can be a picture too: [`map`] makes a normal map and a height map of it.
 
 mod adapt;
 mod areas;
@@ -21,6 +23,7 @@ mod cache;
 mod error;
 mod field;
 mod frames;
+pub mod map;
 mod play;
 mod principal;
 mod settings;

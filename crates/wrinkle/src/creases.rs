@@ -110,6 +110,11 @@ impl Creases {
         self.list.is_empty()
     }
 
+    /// For each crease, or part of one that a border has cut, its number in the pattern, from 0; side branches count on behind the others.
+    pub fn lines(&self) -> impl ExactSizeIterator<Item = usize> {
+        self.list.iter().map(|crease| crease.index)
+    }
+
     /// How the wires' displacements become one.
     pub fn blend(&self) -> Blend {
         self.settings.blend
