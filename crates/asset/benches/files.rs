@@ -137,7 +137,7 @@ fn plain_write(path: &Path, bytes: &[u8], sync: bool) {
 
 fn unsynced(file: &OutputFile, path: &Path) {
     let mut out = File::create(path).expect("a disk");
-    file.parts.iter().for_each(|part| out.write_all(part).expect("a disk"));
+    file.parts.iter().for_each(|part| out.write_all(part.bytes().expect("a disk")).expect("a disk"));
 }
 
 /// A document under construction.

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::Path;
 
+use rayon::prelude::*;
 use serde_json::json;
 
 use crate::attributes::bounds;
@@ -11,9 +13,13 @@ use crate::document::Gltf;
 use crate::edit::{FLOAT, VERTICES, set_bounds};
 use crate::error::AssetError;
 use crate::limits::reserve;
+use crate::store::Spill;
 
 /// About what a sparse accessor takes more JSON than a dense one.
 const SPARSE_JSON: usize = 200;
+
+/// So many displacements are looked at several times while they are near.
+const BLOCK: usize = 1 << 10;
 
 /// What has been written so far, by a hash of its content.
 #[derive(Clone, Debug, Default)]
@@ -44,13 +50,21 @@ impl Gltf {
     ///
     /// Without any displacement it is a sparse accessor with one explicit zero, which every reader understands; an
     /// accessor with neither data nor sparse elements, though valid, is refused by several.
+    ///
+    /// # Errors
+    ///
+    /// Of class [`ErrorClass::Limit`](crate::ErrorClass::Limit): they do not fit into memory. Of class
+    /// [`ErrorClass::Io`](crate::ErrorClass::Io): the file that takes what is not held there, of which [`Gltf::spill_beyond`] tells,
+    /// cannot be made, written or read. Misshapen tables of the document.
     pub fn append_deltas(&mut self, deltas: Vec<[f32; 3]>, with_bounds: bool) -> Result<usize, AssetError> {
         let (count, survey) = (deltas.len(), Survey::of(&deltas, with_bounds));
         let encoded = survey.encode(deltas)?;
-        if let Some(accessor) = self.find(survey.hash, count, with_bounds, &encoded) {
+        if let Some(accessor) = self.find(survey.hash, count, with_bounds, &encoded)? {
             return Ok(accessor);
         }
         let Encoded { indices, values } = encoded;
+        let indices = indices.map(|(size, bytes)| Ok((size, self.spill.keep(bytes.into())?))).transpose()?;
+        let values = self.spill.keep(values)?;
         let length = values.len();
         let mut accessor = json!({});
         let mut index_range = 0..0;
@@ -80,6 +94,30 @@ impl Gltf {
         Ok(accessor)
     }
 
+    /// Says how many `bytes` of displacements are held in memory until the document is written, by default [`HELD_BYTES`]: all of them
+    /// up to that many, and what comes then goes to a file without a name, from which it is copied when the document is
+    /// written. What is written does not depend on it. Copies of the document share the file, and it goes with the last of them or
+    /// with the process, however that ends.
+    ///
+    /// The file is in `folder`, or where that takes none, or none is said, in the system's folder for temporary files, which may be
+    /// small or in memory itself. The folder of the output is better: there must be room for the whole file in it anyway, and copying
+    /// within one file system is cheap; so long as both are there they take twice that room.
+    ///
+    /// ```no_run
+    /// # fn main() -> Result<(), wirework_asset::AssetError> {
+    /// # use wirework_asset::{Gltf, HELD_BYTES, Limits};
+    /// # use std::path::Path;
+    /// let mut gltf = Gltf::read(Path::new("in.glb"), &Limits::default())?;
+    /// gltf.spill_beyond(HELD_BYTES / 2, Some(Path::new("out")));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// [`HELD_BYTES`]: crate::HELD_BYTES
+    pub fn spill_beyond(&mut self, bytes: usize, folder: Option<&Path>) {
+        self.spill = Spill::new(bytes, folder);
+    }
+
     /// The range of the last `length` bytes of the growing buffer.
     fn last(&self, length: usize) -> Range<usize> {
         let end =
@@ -87,16 +125,23 @@ impl Gltf {
         end.saturating_sub(length)..end
     }
 
-    fn find(&self, hash: u64, count: usize, with_bounds: bool, encoded: &Encoded) -> Option<usize> {
-        let bytes = &self.buffers.get(self.growing?)?.bytes;
+    fn find(
+        &self,
+        hash: u64,
+        count: usize,
+        with_bounds: bool,
+        encoded: &Encoded,
+    ) -> Result<Option<usize>, AssetError> {
+        let Some(buffer) = self.growing.and_then(|index| self.buffers.get(index)) else { return Ok(None) };
         let indices = encoded.indices.as_ref().map_or(&[][..], |(_, bytes)| bytes);
-        let same = |entry: &&Entry| {
-            entry.count == count
-                && entry.with_bounds == with_bounds
-                && bytes.get(entry.indices.clone()) == Some(indices)
-                && bytes.get(entry.values.clone()) == Some(&*encoded.values)
-        };
-        self.written.by_hash.get(&hash)?.iter().find(same).map(|entry| entry.accessor)
+        let values = encoded.values.bytes()?;
+        let known = self.written.by_hash.get(&hash).map_or(&[][..], Vec::as_slice);
+        for entry in known.iter().filter(|entry| entry.count == count && entry.with_bounds == with_bounds) {
+            if buffer.bytes.holds(&entry.indices, indices)? && buffer.bytes.holds(&entry.values, values)? {
+                return Ok(Some(entry.accessor));
+            }
+        }
+        Ok(None)
     }
 }
 
@@ -109,14 +154,29 @@ struct Survey {
     /// Equal for equal content, the signs of zeros aside.
     hash: u64,
     /// The least and the largest of each component, where they are asked for.
-    bounds: Option<([f32; 3], [f32; 3])>,
+    bounds: Option<Bounds>,
 }
 
 impl Survey {
     fn of(deltas: &[[f32; 3]], with_bounds: bool) -> Self {
-        /// So many are looked at several times while they are near; a multiple of two, for the hash takes floats in eights.
-        const BLOCK: usize = 1 << 10;
+        /// So many are one thread's at a time: enough that handing them out costs nothing. The hash depends on it.
+        const SHARE: usize = 16 * BLOCK;
         let mut out = Self { changed: 0, last: 0, hash: deltas.len() as u64, bounds: None };
+        let shares: Vec<Self> =
+            deltas.par_chunks(SHARE).map(|share| Self::of_share(share, with_bounds)).collect();
+        for (k, share) in shares.iter().enumerate() {
+            if share.changed > 0 {
+                out.changed += share.changed;
+                out.last = k * SHARE + share.last;
+            }
+            out.hash = step(out.hash.rotate_left(29), share.hash);
+            out.bounds = joined(out.bounds, share.bounds);
+        }
+        out
+    }
+
+    fn of_share(deltas: &[[f32; 3]], with_bounds: bool) -> Self {
+        let mut out = Self { changed: 0, last: 0, hash: 0, bounds: None };
         for (k, block) in deltas.chunks(BLOCK).enumerate() {
             let changed = block.iter().filter(|delta| moves(delta)).count();
             if changed > 0 {
@@ -124,9 +184,7 @@ impl Survey {
                 out.last = k * BLOCK + block.iter().rposition(moves).unwrap_or(0);
             }
             out.hash = mix(out.hash, block.as_flattened());
-            if with_bounds {
-                out.bounds = Some(joined(out.bounds, bounds(block)));
-            }
+            out.bounds = joined(out.bounds, with_bounds.then(|| bounds(block)));
         }
         out
     }
@@ -158,32 +216,46 @@ fn moves(delta: &[f32; 3]) -> bool {
     (x | y | z) << 1 != 0
 }
 
-/// The bounds of two runs of vectors.
-fn joined(before: Option<([f32; 3], [f32; 3])>, (low, high): ([f32; 3], [f32; 3])) -> ([f32; 3], [f32; 3]) {
-    let Some((lowest, highest)) = before else { return (low, high) };
-    (
+/// The least and the largest of each component.
+type Bounds = ([f32; 3], [f32; 3]);
+
+/// The bounds of two runs of vectors, of equal numbers that of the first.
+fn joined(before: Option<Bounds>, after: Option<Bounds>) -> Option<Bounds> {
+    let (Some((lowest, highest)), Some((low, high))) = (before, after) else { return before.or(after) };
+    Some((
         std::array::from_fn(|k| if low[k] < lowest[k] { low[k] } else { lowest[k] }),
         std::array::from_fn(|k| if high[k] > highest[k] { high[k] } else { highest[k] }),
-    )
+    ))
 }
 
 /// Goes on with a hash: in four strands, so that none waits for the other. It need not withstand anybody, for what
 /// has the same hash is compared.
 fn mix(hash: u64, values: &[f32]) -> u64 {
-    /// Odd, and its bits without a pattern: from the golden ratio.
-    const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
-    let step = |state: u64, word: u64| (state ^ word).wrapping_mul(FACTOR);
-    // Adding 0 takes the sign off a zero.
-    let bits = |value: f32| u64::from((value + 0.0).to_bits());
+    /// So many numbers lose the signs of zeros at a time: compilers do that with vectors if nothing else is done meanwhile.
+    const RUN: usize = 128;
     let mut strands = [hash, hash ^ 1, hash ^ 2, hash ^ 3];
-    let (groups, rest) = values.as_chunks::<8>();
-    for group in groups {
-        for (strand, [low, high]) in strands.iter_mut().zip(group.as_chunks::<2>().0) {
-            *strand = step(*strand, bits(*low) | bits(*high) << 32);
+    let (runs, rest) = values.as_chunks::<RUN>();
+    for run in runs {
+        let words = run.map(unsigned);
+        for group in words.as_chunks::<8>().0 {
+            for (strand, [low, high]) in strands.iter_mut().zip(group.as_chunks::<2>().0) {
+                *strand = step(*strand, u64::from(*low) | u64::from(*high) << 32);
+            }
         }
     }
-    let last = rest.iter().fold(hash, |state, &value| step(state, bits(value)));
+    let last = rest.iter().fold(hash, |state, &value| step(state, u64::from(unsigned(value))));
     strands.iter().fold(last, |state, strand| step(state.rotate_left(29), *strand))
+}
+
+fn step(state: u64, word: u64) -> u64 {
+    /// Odd, and its bits without a pattern: from the golden ratio.
+    const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
+    (state ^ word).wrapping_mul(FACTOR)
+}
+
+/// The bits of a number, without its sign if it is a zero: adding 0 takes it off.
+fn unsigned(value: f32) -> u32 {
+    (value + 0.0).to_bits()
 }
 
 #[cfg(test)]

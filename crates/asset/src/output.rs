@@ -1,21 +1,24 @@
 //! Files that are written whole or not at all.
 
-use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{BufWriter, Read, Seek, Write};
+use std::io::{BufWriter, Write};
+use std::mem::take;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
 use crate::content::Content;
 use crate::error::{AssetError, ErrorClass};
+use crate::limits::reserve;
+use crate::store::Store;
 
 /// How the names of files begin that are written beside their places.
 const PREFIX: &str = ".wirework-";
 
 /// A file to be written.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct OutputFile {
     /// Where.
     pub path: PathBuf,
@@ -34,24 +37,36 @@ impl OutputFile {
     }
 
     /// All of what is written, in one.
-    pub fn bytes(&self) -> Vec<u8> {
-        self.parts.iter().map(|part| &**part).collect::<Vec<_>>().concat()
+    ///
+    /// # Errors
+    ///
+    /// Of class [`ErrorClass::Io`]: the file that keeps some of it cannot be read. Of class [`ErrorClass::Limit`]: it does not fit into
+    /// memory.
+    pub fn bytes(&self) -> Result<Vec<u8>, AssetError> {
+        let mut out = reserve(self.parts.iter().map(Content::len).sum())?;
+        self.parts.iter().try_for_each(|part| part.read_onto(&mut out))?;
+        Ok(out)
     }
 }
 
 /// Writes files, in their order: all are written beside their places and flushed before the first takes its place,
 /// so that a failure leaves what was there before, and nothing else.
 pub fn write_files(files: &[OutputFile]) -> Result<(), AssetError> {
-    write_each(files.iter().map(|file| Ok(Cow::Borrowed(file))))
+    let mut made = Vec::new();
+    let result = write_all(files, &mut made);
+    if result.is_err() {
+        // Only folders that are still empty go, the innermost first.
+        made.iter().rev().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
+    result
 }
 
 /// Files that are made one after the other and written together: until then they are kept out of memory, in a file without a name that
 /// goes with the process.
 #[derive(Debug)]
 pub struct Spool {
-    store: File,
-    /// The files without their bytes, and how many each has.
-    files: Vec<(OutputFile, usize)>,
+    store: Arc<Store>,
+    files: Vec<OutputFile>,
 }
 
 impl Spool {
@@ -61,8 +76,7 @@ impl Spool {
     ///
     /// The system's folder for temporary files takes none.
     pub fn new() -> Result<Self, AssetError> {
-        let store = tempfile::tempfile().map_err(|error| Self::failed(&error))?;
-        Ok(Self { store, files: Vec::new() })
+        Ok(Self { store: Arc::new(Store::new(None)?), files: Vec::new() })
     }
 
     /// Adds a file.
@@ -71,9 +85,9 @@ impl Spool {
     ///
     /// The disk is full, or cannot be written.
     pub fn add(&mut self, mut file: OutputFile) -> Result<(), AssetError> {
-        let parts = std::mem::take(&mut file.parts);
-        write_parts(&mut self.store, &parts).map_err(|error| Self::failed(&error))?;
-        self.files.push((file, parts.iter().map(|part| part.len()).sum()));
+        let parts = take(&mut file.parts).into_iter().map(|part| part.stored(&self.store));
+        file.parts = parts.collect::<Result<_, _>>()?;
+        self.files.push(file);
         Ok(())
     }
 
@@ -92,50 +106,24 @@ impl Spool {
     /// # Errors
     ///
     /// A file cannot be written; then none is.
-    pub fn write(mut self) -> Result<(), AssetError> {
-        self.store.rewind().map_err(|error| Self::failed(&error))?;
-        let Self { mut store, files } = self;
-        write_each(files.into_iter().map(|(mut file, length)| {
-            let mut bytes = vec![0; length];
-            store.read_exact(&mut bytes).map_err(|error| Self::failed(&error))?;
-            file.parts = vec![bytes.into()];
-            Ok(Cow::Owned(file))
-        }))
-    }
-
-    fn failed(error: &std::io::Error) -> AssetError {
-        AssetError::output(&std::env::temp_dir(), error, "keep files in")
+    pub fn write(self) -> Result<(), AssetError> {
+        write_files(&self.files)
     }
 }
 
-fn write_each<'f>(
-    files: impl Iterator<Item = Result<Cow<'f, OutputFile>, AssetError>>,
-) -> Result<(), AssetError> {
-    let mut made = Vec::new();
-    let result = write_all(files, &mut made);
-    if result.is_err() {
-        // Only folders that are still empty go, the innermost first.
-        made.iter().rev().for_each(|folder| drop(fs::remove_dir(folder)));
-    }
-    result
-}
-
-fn write_all<'f>(
-    files: impl Iterator<Item = Result<Cow<'f, OutputFile>, AssetError>>,
-    made: &mut Vec<PathBuf>,
-) -> Result<(), AssetError> {
+fn write_all(files: &[OutputFile], made: &mut Vec<PathBuf>) -> Result<(), AssetError> {
     // Closed, for a process may not have thousands of files open.
     let mut ready: Vec<(TempPath, PathBuf)> = Vec::new();
     let mut devices = Vec::new();
     for file in files {
-        let file = file?;
         let path = resolve(&file.path);
         let metadata = fs::metadata(&path).ok();
         if metadata.as_ref().is_some_and(fs::Metadata::is_dir) {
             return Err(refused(&path, "a folder", "a file, or no file yet"));
         }
         if !file.replace && metadata.is_some() {
-            if fs::read(&path).is_ok_and(|there| there == file.bytes()) {
+            let bytes = file.bytes()?;
+            if fs::read(&path).is_ok_and(|there| there == bytes) {
                 continue;
             }
             return Err(refused(
@@ -145,7 +133,7 @@ fn write_all<'f>(
             ));
         }
         if metadata.as_ref().is_some_and(|metadata| !metadata.is_file()) {
-            devices.push((path, file.into_owned().parts));
+            devices.push((path, &file.parts));
             continue;
         }
         if file.folders {
@@ -155,7 +143,7 @@ fn write_all<'f>(
     }
     for (path, parts) in devices {
         let file = fs::OpenOptions::new().write(true).open(&path);
-        let written = file.and_then(|mut file| write_parts(&mut file, &parts));
+        let written = file.and_then(|mut file| write_parts(&mut file, parts));
         written.map_err(|error| AssetError::output(&path, &error, "write"))?;
     }
     let mut folders = BTreeSet::new();
@@ -181,10 +169,10 @@ fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> Result<(), AssetError
     Ok(())
 }
 
-fn write_parts(file: &mut impl Write, parts: &[Content]) -> std::io::Result<()> {
+fn write_parts(file: &mut File, parts: &[Content]) -> std::io::Result<()> {
     // Small parts go together; large ones pass the buffer by.
     let mut out = BufWriter::new(file);
-    parts.iter().try_for_each(|part| out.write_all(part))?;
+    parts.iter().try_for_each(|part| part.write(&mut out))?;
     out.flush()
 }
 
@@ -204,7 +192,7 @@ fn prepare(path: &Path, parts: &[Content], old: Option<&fs::Metadata>) -> Result
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).map_err(|error| fail(&error))?;
-    write_parts(&mut file, parts).map_err(|error| fail(&error))?;
+    write_parts(file.as_file_mut(), parts).map_err(|error| fail(&error))?;
     if let Some(old) = old {
         if old.permissions().readonly() {
             return Err(refused(path, "a file that is read-only", "one that may be replaced"));
