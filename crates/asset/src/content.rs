@@ -78,13 +78,13 @@ impl Content {
         Ok(())
     }
 
-    /// Writes its bytes to a file, block by block where they are in another.
-    pub(crate) fn write(&self, out: &mut BufWriter<&mut File>) -> io::Result<()> {
+    /// Writes a range of its bytes to a file; out of another, where they are there.
+    pub(crate) fn write(&self, range: Range<usize>, out: &mut BufWriter<&File>) -> io::Result<()> {
         match self.held() {
-            Ok(bytes) => out.write_all(bytes),
+            Ok(bytes) => out.write_all(bytes.get(range).unwrap_or_default()),
             Err(stored) => {
                 out.flush()?;
-                stored.copy(out.get_mut())
+                stored.copy(range, out.get_mut())
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::content::Content;
 use crate::document::Gltf;
 use crate::edit::{FLOAT, VERTICES, set_bounds};
 use crate::error::AssetError;
-use crate::limits::reserve;
+use crate::limits::{filled, reserve};
 use crate::store::Spill;
 
 /// About what a sparse accessor takes more JSON than a dense one.
@@ -20,6 +20,9 @@ const SPARSE_JSON: usize = 200;
 
 /// So many displacements are looked at several times while they are near.
 const BLOCK: usize = 1 << 10;
+
+/// So many are one thread's at a time: enough that handing them out costs nothing.
+const SHARE: usize = 16 * BLOCK;
 
 /// What has been written so far, by a hash of its content.
 #[derive(Clone, Debug, Default)]
@@ -159,8 +162,6 @@ struct Survey {
 
 impl Survey {
     fn of(deltas: &[[f32; 3]], with_bounds: bool) -> Self {
-        /// So many are one thread's at a time: enough that handing them out costs nothing. The hash depends on it.
-        const SHARE: usize = 16 * BLOCK;
         let mut out = Self { changed: 0, last: 0, hash: deltas.len() as u64, bounds: None };
         let shares: Vec<Self> =
             deltas.par_chunks(SHARE).map(|share| Self::of_share(share, with_bounds)).collect();
@@ -198,16 +199,57 @@ impl Survey {
         if self.changed > 0 && self.changed * (12 + size) + SPARSE_JSON >= deltas.len() * 12 {
             return Ok(Encoded { indices: None, values: Content::floats(deltas.into_flattened()) });
         }
-        // Without any, the first stands for all.
-        let kept = |i: usize, delta: &[f32; 3]| moves(delta) || (self.changed == 0 && i == 0);
-        let mut indices = reserve(self.changed.max(1) * size)?;
-        let mut values = reserve(3 * self.changed.max(1))?;
-        for (i, delta) in deltas.iter().enumerate().filter(|(i, delta)| kept(*i, delta)) {
-            indices.extend_from_slice(&(i as u32).to_le_bytes()[..size]);
-            values.extend_from_slice(delta);
-        }
-        Ok(Encoded { indices: Some((size, indices)), values: Content::floats(values) })
+        let (indices, values) = if self.changed > 0 {
+            gathered(deltas, self.changed, size)?
+        } else {
+            // The first stands for all.
+            let first = deltas.first().map(|delta| (vec![0; size], vec![*delta]));
+            first.unwrap_or_default()
+        };
+        Ok(Encoded { indices: Some((size, indices)), values: Content::floats(values.into_flattened()) })
     }
+}
+
+/// Displacements that are not 0, of which there are `changed`, and the bytes of their indices: moved together in the memory they
+/// are in, for to be given new memory takes longer.
+fn gathered(
+    mut deltas: Vec<[f32; 3]>,
+    changed: usize,
+    size: usize,
+) -> Result<(Vec<u8>, Vec<[f32; 3]>), AssetError> {
+    let shares = deltas.par_chunks_mut(SHARE).enumerate().map(|(k, share)| to_front(share, k * SHARE, size));
+    let shares: Vec<Vec<u8>> = shares.collect::<Result<_, _>>()?;
+    let mut indices = reserve(changed * size)?;
+    let mut end = 0;
+    for (k, share) in shares.iter().enumerate() {
+        let (start, count) = (k * SHARE, share.len() / size);
+        deltas.copy_within(start..start + count, end);
+        end += count;
+        indices.extend_from_slice(share);
+    }
+    deltas.truncate(end);
+    deltas.shrink_to_fit();
+    Ok((indices, deltas))
+}
+
+/// Moves displacements that are not 0 to the front of a share, and gives the bytes of their indices, which count from `first`.
+fn to_front(share: &mut [[f32; 3]], first: usize, size: usize) -> Result<Vec<u8>, AssetError> {
+    let mut kept: Vec<u32> = filled(share.len(), 0)?;
+    let mut count = 0;
+    // Each is written, and the next over it where it was 0: whether it is cannot be foretold.
+    for i in 0..share.len() {
+        let delta = share[i];
+        (share[count], kept[count]) = (delta, (first + i) as u32);
+        count += usize::from(moves(&delta));
+    }
+    let mut indices = reserve(count * size)?;
+    let kept = kept.iter().take(count).map(|index| index.to_le_bytes());
+    match size {
+        // As one number each, not byte after byte.
+        4 => kept.for_each(|bytes| indices.extend_from_slice(&bytes)),
+        _ => kept.for_each(|bytes| indices.extend_from_slice(&bytes[..size])),
+    }
+    Ok(indices)
 }
 
 /// Whether a displacement is not 0, of whatever sign: asked of the bits of its numbers at once.

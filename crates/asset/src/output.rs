@@ -2,10 +2,12 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::mem::take;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::thread;
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
@@ -16,6 +18,10 @@ use crate::store::Store;
 
 /// How the names of files begin that are written beside their places.
 const PREFIX: &str = ".wirework-";
+
+/// So many bytes are written before they are flushed while more are written: the disk and the system's copying work side by side, for
+/// a tenth to a fifth less time in all. With fewer flushing itself takes longer.
+const STEP: usize = 8 << 20;
 
 /// A file to be written.
 #[derive(Clone, Debug)]
@@ -143,7 +149,7 @@ fn write_all(files: &[OutputFile], made: &mut Vec<PathBuf>) -> Result<(), AssetE
     }
     for (path, parts) in devices {
         let file = fs::OpenOptions::new().write(true).open(&path);
-        let written = file.and_then(|mut file| write_parts(&mut file, parts));
+        let written = file.and_then(|file| write_parts(&file, parts, || {}));
         written.map_err(|error| AssetError::output(&path, &error, "write"))?;
     }
     let mut folders = BTreeSet::new();
@@ -169,11 +175,47 @@ fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> Result<(), AssetError
     Ok(())
 }
 
-fn write_parts(file: &mut File, parts: &[Content]) -> std::io::Result<()> {
+/// Writes the parts, and `told` of every so many bytes.
+fn write_parts(file: &File, parts: &[Content], mut told: impl FnMut()) -> io::Result<()> {
     // Small parts go together; large ones pass the buffer by.
     let mut out = BufWriter::new(file);
-    parts.iter().try_for_each(|part| part.write(&mut out))?;
+    let mut fresh = 0;
+    for part in parts {
+        for start in (0..part.len()).step_by(STEP) {
+            let end = part.len().min(start + STEP);
+            part.write(start..end, &mut out)?;
+            fresh += end - start;
+            if fresh >= STEP {
+                told();
+                fresh = 0;
+            }
+        }
+    }
     out.flush()
+}
+
+/// Writes the parts and flushes them. Of a large file the disk gets what there is while the rest is being written.
+fn write_flushed(file: &File, parts: &[Content]) -> io::Result<()> {
+    let large = parts.iter().map(Content::len).sum::<usize>() >= 4 * STEP;
+    let early = thread::scope(|scope| {
+        let (tell, told) = channel();
+        let flush = move || {
+            while told.recv().is_ok() {
+                // What has been written meanwhile goes together.
+                while told.try_recv().is_ok() {}
+                file.sync_data()?;
+            }
+            Ok(())
+        };
+        // Without a thread it is flushed at the end, as a small one is.
+        let early = if large { thread::Builder::new().spawn_scoped(scope, flush).ok() } else { None };
+        // Nobody hears it where there is no thread, or where flushing has failed.
+        write_parts(file, parts, || tell.send(()).unwrap_or_default())?;
+        drop(tell);
+        // A failure is told once, to whoever flushes next.
+        early.map_or(Ok(()), |early| early.join().unwrap_or_else(|_| Err(io::Error::other("no flush"))))
+    });
+    early.and_then(|()| file.sync_all())
 }
 
 /// Writes the parts to a new file in the folder of `path`.
@@ -191,15 +233,14 @@ fn prepare(path: &Path, parts: &[Content], old: Option<&fs::Metadata>) -> Result
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder).map_err(|error| fail(&error))?;
-    write_parts(file.as_file_mut(), parts).map_err(|error| fail(&error))?;
+    let file = builder.tempfile_in(folder).map_err(|error| fail(&error))?;
     if let Some(old) = old {
         if old.permissions().readonly() {
             return Err(refused(path, "a file that is read-only", "one that may be replaced"));
         }
         file.as_file().set_permissions(old.permissions()).map_err(|error| fail(&error))?;
     }
-    file.as_file().sync_all().map_err(|error| fail(&error))?;
+    write_flushed(file.as_file(), parts).map_err(|error| fail(&error))?;
     Ok(file)
 }
 
