@@ -12,7 +12,7 @@ use crate::content::Content;
 use crate::document::Gltf;
 use crate::edit::{FLOAT, VERTICES, set_bounds};
 use crate::error::AssetError;
-use crate::limits::{filled, reserve};
+use crate::limits::reserve;
 use crate::store::Spill;
 
 /// About what a sparse accessor takes more JSON than a dense one.
@@ -23,6 +23,9 @@ const BLOCK: usize = 1 << 10;
 
 /// So many are one thread's at a time: enough that handing them out costs nothing.
 const SHARE: usize = 16 * BLOCK;
+
+/// Bits of a word.
+const WORD: usize = 64;
 
 /// What has been written so far, by a hash of its content.
 #[derive(Clone, Debug, Default)]
@@ -150,10 +153,10 @@ impl Gltf {
 
 /// What has to be known of displacements before they are written.
 struct Survey {
-    /// How many are not 0.
+    /// Which are not 0: bits from the lowest on, in words.
+    moved: Vec<u64>,
+    /// How many those are.
     changed: usize,
-    /// The last of those, or 0.
-    last: usize,
     /// Equal for equal content, the signs of zeros aside.
     hash: u64,
     /// The least and the largest of each component, where they are asked for.
@@ -162,14 +165,13 @@ struct Survey {
 
 impl Survey {
     fn of(deltas: &[[f32; 3]], with_bounds: bool) -> Self {
-        let mut out = Self { changed: 0, last: 0, hash: deltas.len() as u64, bounds: None };
         let shares: Vec<Self> =
             deltas.par_chunks(SHARE).map(|share| Self::of_share(share, with_bounds)).collect();
-        for (k, share) in shares.iter().enumerate() {
-            if share.changed > 0 {
-                out.changed += share.changed;
-                out.last = k * SHARE + share.last;
-            }
+        let moved = Vec::with_capacity(deltas.len().div_ceil(WORD));
+        let mut out = Self { moved, changed: 0, hash: deltas.len() as u64, bounds: None };
+        for share in &shares {
+            out.moved.extend_from_slice(&share.moved);
+            out.changed += share.changed;
             out.hash = step(out.hash.rotate_left(29), share.hash);
             out.bounds = joined(out.bounds, share.bounds);
         }
@@ -177,12 +179,14 @@ impl Survey {
     }
 
     fn of_share(deltas: &[[f32; 3]], with_bounds: bool) -> Self {
-        let mut out = Self { changed: 0, last: 0, hash: 0, bounds: None };
-        for (k, block) in deltas.chunks(BLOCK).enumerate() {
-            let changed = block.iter().filter(|delta| moves(delta)).count();
-            if changed > 0 {
-                out.changed += changed;
-                out.last = k * BLOCK + block.iter().rposition(moves).unwrap_or(0);
+        let moved = Vec::with_capacity(deltas.len().div_ceil(WORD));
+        let mut out = Self { moved, changed: 0, hash: 0, bounds: None };
+        for block in deltas.chunks(BLOCK) {
+            for group in block.chunks(WORD) {
+                let bits = group.iter().enumerate();
+                let word = bits.fold(0, |word, (i, delta)| word | u64::from(moves(delta)) << i);
+                out.moved.push(word);
+                out.changed += word.count_ones() as usize;
             }
             out.hash = mix(out.hash, block.as_flattened());
             out.bounds = joined(out.bounds, with_bounds.then(|| bounds(block)));
@@ -190,8 +194,14 @@ impl Survey {
         out
     }
 
+    /// The last that is not 0; 0 if there is none.
+    fn last(&self) -> usize {
+        let word = self.moved.iter().rposition(|&word| word != 0);
+        word.map_or(0, |k| k * WORD + self.moved[k].ilog2() as usize)
+    }
+
     fn encode(&self, deltas: Vec<[f32; 3]>) -> Result<Encoded, AssetError> {
-        let size = match self.last {
+        let size = match self.last() {
             0..=0xff => 1,
             0x100..=0xffff => 2,
             _ => 4,
@@ -200,7 +210,7 @@ impl Survey {
             return Ok(Encoded { indices: None, values: Content::floats(deltas.into_flattened()) });
         }
         let (indices, values) = if self.changed > 0 {
-            gathered(deltas, self.changed, size)?
+            self.gathered(deltas, size)?
         } else {
             // The first stands for all.
             let first = deltas.first().map(|delta| (vec![0; size], vec![*delta]));
@@ -208,46 +218,53 @@ impl Survey {
         };
         Ok(Encoded { indices: Some((size, indices)), values: Content::floats(values.into_flattened()) })
     }
-}
 
-/// Displacements that are not 0, of which there are `changed`, and the bytes of their indices: moved together in the memory they
-/// are in, for to be given new memory takes longer.
-fn gathered(
-    mut deltas: Vec<[f32; 3]>,
-    changed: usize,
-    size: usize,
-) -> Result<(Vec<u8>, Vec<[f32; 3]>), AssetError> {
-    let shares = deltas.par_chunks_mut(SHARE).enumerate().map(|(k, share)| to_front(share, k * SHARE, size));
-    let shares: Vec<Vec<u8>> = shares.collect::<Result<_, _>>()?;
-    let mut indices = reserve(changed * size)?;
-    let mut end = 0;
-    for (k, share) in shares.iter().enumerate() {
-        let (start, count) = (k * SHARE, share.len() / size);
-        deltas.copy_within(start..start + count, end);
-        end += count;
-        indices.extend_from_slice(share);
+    /// The bytes of the indices of displacements that are not 0, `size` each, and those: moved together in the memory they are in,
+    /// for to be given new memory takes longer.
+    fn gathered(
+        &self,
+        mut deltas: Vec<[f32; 3]>,
+        size: usize,
+    ) -> Result<(Vec<u8>, Vec<[f32; 3]>), AssetError> {
+        let shares = deltas.par_chunks_mut(SHARE).zip(self.moved.par_chunks(SHARE / WORD)).enumerate();
+        let shares = shares.map(|(k, (share, moved))| to_front(share, moved, (k * SHARE, size)));
+        let shares: Vec<Vec<u8>> = shares.collect::<Result<_, _>>()?;
+        let mut indices = reserve(self.changed * size)?;
+        let mut end = 0;
+        for (k, share) in shares.iter().enumerate() {
+            let (start, count) = (k * SHARE, share.len() / size);
+            deltas.copy_within(start..start + count, end);
+            end += count;
+            indices.extend_from_slice(share);
+        }
+        deltas.truncate(end);
+        deltas.shrink_to_fit();
+        Ok((indices, deltas))
     }
-    deltas.truncate(end);
-    deltas.shrink_to_fit();
-    Ok((indices, deltas))
 }
 
-/// Moves displacements that are not 0 to the front of a share, and gives the bytes of their indices, which count from `first`.
-fn to_front(share: &mut [[f32; 3]], first: usize, size: usize) -> Result<Vec<u8>, AssetError> {
-    let mut kept: Vec<u32> = filled(share.len(), 0)?;
+/// Moves displacements of a share that are not 0 to its front, and gives the bytes of their indices, which count from `first` and have
+/// `size` bytes each.
+fn to_front(
+    share: &mut [[f32; 3]],
+    moved: &[u64],
+    (first, size): (usize, usize),
+) -> Result<Vec<u8>, AssetError> {
+    let mut indices = reserve(size * moved.iter().map(|word| word.count_ones() as usize).sum::<usize>())?;
     let mut count = 0;
-    // Each is written, and the next over it where it was 0: whether it is cannot be foretold.
-    for i in 0..share.len() {
-        let delta = share[i];
-        (share[count], kept[count]) = (delta, (first + i) as u32);
-        count += usize::from(moves(&delta));
-    }
-    let mut indices = reserve(count * size)?;
-    let kept = kept.iter().take(count).map(|index| index.to_le_bytes());
-    match size {
-        // As one number each, not byte after byte.
-        4 => kept.for_each(|bytes| indices.extend_from_slice(&bytes)),
-        _ => kept.for_each(|bytes| indices.extend_from_slice(&bytes[..size])),
+    for (k, &word) in moved.iter().enumerate() {
+        let mut left = word;
+        while left != 0 {
+            let i = k * WORD + left.trailing_zeros() as usize;
+            left &= left - 1;
+            share[count] = share[i];
+            count += 1;
+            // As one number where it is one, not byte after byte.
+            match ((first + i) as u32).to_le_bytes() {
+                bytes if size == 4 => indices.extend_from_slice(&bytes),
+                bytes => indices.extend_from_slice(&bytes[..size]),
+            }
+        }
     }
     Ok(indices)
 }
@@ -346,6 +363,23 @@ mod tests {
             }
             let (_, all) = back(&mut gltf, &vec![[1.0; 3]; count]);
             assert!(all.get("sparse").is_none());
+        }
+    }
+
+    #[test]
+    fn shares_make_what_one_pass_would() {
+        for count in [SHARE - 1, SHARE, SHARE + 1, 3 * SHARE + WORD + 5] {
+            let own =
+                |i: usize| if i % 7 == 3 || i + 1 == count { [0.0, -0.0, i as f32 + 1.0] } else { [-0.0; 3] };
+            let deltas: Vec<[f32; 3]> = (0..count).map(own).collect();
+            let encoded = Survey::of(&deltas, true).encode(deltas.clone()).unwrap();
+            let kept: Vec<usize> = (0..count).filter(|&i| deltas[i][2] > 0.0).collect();
+            let (size, indices) = encoded.indices.unwrap();
+            let bytes: Vec<u8> =
+                kept.iter().flat_map(|&i| (i as u32).to_le_bytes()[..size].to_vec()).collect();
+            let values: Vec<f32> = kept.iter().flat_map(|&i| deltas[i]).collect();
+            assert!(size == if count > 1 << 16 { 4 } else { 2 } && indices == bytes);
+            assert_eq!(encoded.values.bytes(), Content::floats(values).bytes());
         }
     }
 
