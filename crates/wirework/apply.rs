@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use wirework_asset::{Limits, MadeFile, OutputFile, check_output, same_file, write_files_and};
+use wirework_asset::{HELD_BYTES, Limits, MadeFile, OutputFile, check_output, same_file, write_files_and};
 use wirework_bake::{Bake, Settings};
 use wirework_preset::{Action, Chain, Effect, Preset};
 
@@ -58,6 +58,9 @@ pub struct Job<'a> {
     pub joints: usize,
     /// The most morph targets a mesh may have, its own counted. Default 240.
     pub max_targets: usize,
+    /// Bytes of morph targets that are held in memory until the output is written; more go to a file without a name in its folder
+    /// meanwhile. The result does not depend on it. Default [`HELD_BYTES`].
+    pub held_bytes: usize,
     /// The clip of the input that an effect looks at which depends on one. Default the first.
     pub clip: Option<&'a str>,
     /// A clip of the input, by name or number, that takes the effect's channels. Default none: a new clip.
@@ -90,6 +93,7 @@ impl<'a> Job<'a> {
             tolerance: Settings::default().tolerance,
             joints: 0,
             max_targets: Settings::default().max_targets,
+            held_bytes: HELD_BYTES,
             clip: None,
             into: None,
             limits: Limits::default(),
@@ -177,11 +181,9 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
         (Target::Gltf(format), model)
             if job.bake == Bake::Skin && matches!(film.schedule, Schedule::Frames { .. }) =>
         {
-            film.skeleton(job, format, Scene::new(model, point_of, &job.limits)?, clip)?
+            film.skeleton(job, format, scene(job, model, point_of)?, clip)?
         }
-        (Target::Gltf(format), model) => {
-            film.gltf(job, format, Scene::new(model, point_of, &job.limits)?, clip)?
-        }
+        (Target::Gltf(format), model) => film.gltf(job, format, scene(job, model, point_of)?, clip)?,
         (Target::Obj, model) => film.obj(None, model, point_of, clip, job.output)?,
         (Target::ObjSequence(pattern), model) => film.obj(Some(&pattern), model, point_of, clip, None)?,
         (Target::Aside, _) => film.alone()?,
@@ -210,6 +212,14 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     account(&film, sought, &mut report);
     report.total_ms = ms(start.elapsed());
     Ok(report)
+}
+
+/// The scene of a model, which puts what it does not hold in memory where the output goes: there must be room for that.
+fn scene(job: &Job<'_>, model: Model, point_of: Vec<u32>) -> Result<Scene, JobError> {
+    let mut scene = Scene::new(model, point_of, &job.limits)?;
+    // A dry run has no business there.
+    scene.gltf.spill_beyond(job.held_bytes, job.output.filter(|_| !job.dry_run).map(folder_of));
+    Ok(scene)
 }
 
 /// The moments as far as they are known before anything is read: how long a clip is that the effect follows is not.
@@ -344,9 +354,13 @@ fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 /// Refuses a place that takes no file, before any work is done. Files of a `sequence` may have a folder made for them.
 pub(crate) fn check_place(path: &Path, sequence: bool) -> Result<(), JobError> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     if !sequence {
         return if folder.is_dir() {
             Ok(check_output(path)?)
@@ -424,9 +438,6 @@ pub(crate) fn guard_report(job: &Job<'_>, path: &Path) -> Result<(), JobError> {
 
 /// Whether two paths are of one file, be it there or not yet.
 pub(crate) fn same_place(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(folder.canonicalize().ok()?.join(path.file_name()?))
-    };
+    let place = |path: &Path| Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
     a == b || same_file(a, b) || place(a).is_some_and(|a| place(b) == Some(a))
 }

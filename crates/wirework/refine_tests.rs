@@ -52,7 +52,7 @@ fn written(subject: Subject, preset: &Preset, when: &When) -> Gltf {
     let path = Path::new("preset.ron");
     let scene = Scene::new(model, point_of, &limits).unwrap();
     let product = film.gltf(&Job::new(preset, path), Format::Glb, scene, None).unwrap();
-    let bytes = product.files.last().unwrap().bytes();
+    let bytes = product.files.last().unwrap().bytes().unwrap();
     Gltf::from_slice(&bytes, "written", &limits).unwrap()
 }
 

@@ -132,7 +132,7 @@ mod tests {
 
     fn glb(json: &[u8], bin: Option<&[u8]>, rest: &[u8]) -> Vec<u8> {
         let bin = bin.map(|bin| Content::from(bin.to_vec()).into());
-        assemble(json, bin, rest).unwrap().iter().flat_map(|part| part.iter().copied()).collect()
+        assemble(json, bin, rest).unwrap().iter().flat_map(|part| part.bytes().unwrap().to_vec()).collect()
     }
 
     #[test]

@@ -1,8 +1,14 @@
 //! Bytes of files in parts, each as its maker had it: what is large is not copied to be put behind something else.
 
-use std::ops::{Deref, Range};
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::ops::Range;
+use std::sync::Arc;
 
-/// Bytes of a file, or numbers whose bytes they are.
+use crate::error::AssetError;
+use crate::store::{Store, Stored};
+
+/// Bytes of a file, or numbers whose bytes they are: in memory, or kept out of it in a file without a name.
 #[derive(Clone, Debug)]
 pub struct Content(Kind);
 
@@ -12,6 +18,7 @@ enum Kind {
     Bytes(Vec<u8>, usize),
     /// Numbers whose bytes in memory are in the order of files.
     Floats(Vec<f32>),
+    Stored(Stored),
 }
 
 impl Content {
@@ -32,10 +39,78 @@ impl Content {
         Self(Kind::Bytes(bytes, start))
     }
 
+    /// The same, out of memory.
+    pub(crate) fn stored(self, store: &Arc<Store>) -> Result<Self, AssetError> {
+        match self.held() {
+            Ok(bytes) => store.add(bytes).map(|stored| Self(Kind::Stored(stored))),
+            Err(_) => Ok(self),
+        }
+    }
+
+    /// How many bytes it has.
+    pub fn len(&self) -> usize {
+        match self.held() {
+            Ok(bytes) => bytes.len(),
+            Err(stored) => stored.len(),
+        }
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Its bytes. Those that were kept out of memory are in it from then on.
+    ///
+    /// # Errors
+    ///
+    /// Of class [`ErrorClass::Io`](crate::ErrorClass::Io): the file that keeps them cannot be read.
+    pub fn bytes(&self) -> Result<&[u8], AssetError> {
+        self.held().or_else(Stored::bytes)
+    }
+
+    /// Puts its bytes behind others.
+    pub(crate) fn read_onto(&self, out: &mut Vec<u8>) -> Result<(), AssetError> {
+        match self.held() {
+            Ok(bytes) => out.extend_from_slice(bytes),
+            Err(stored) => stored.read_onto(out)?,
+        }
+        Ok(())
+    }
+
+    /// Writes a range of its bytes to a file; out of another, where they are there.
+    pub(crate) fn write(&self, range: Range<usize>, out: &mut BufWriter<&File>) -> io::Result<()> {
+        match self.held() {
+            Ok(bytes) => out.write_all(bytes.get(range).unwrap_or_default()),
+            Err(stored) => {
+                out.flush()?;
+                stored.copy(range, out.get_mut())
+            }
+        }
+    }
+
+    /// Whether its bytes from `offset` on begin with these.
+    fn holds(&self, offset: usize, bytes: &[u8]) -> Result<bool, AssetError> {
+        match self.held() {
+            Ok(own) => Ok(own.get(offset..).is_some_and(|own| own.starts_with(bytes))),
+            Err(stored) => stored.holds(offset, bytes),
+        }
+    }
+
+    /// Its bytes if they are in memory, else what knows where they are.
+    fn held(&self) -> Result<&[u8], &Stored> {
+        match &self.0 {
+            Kind::Bytes(bytes, start) => Ok(bytes.get(*start..).unwrap_or_default()),
+            Kind::Floats(values) => Ok(bytemuck::must_cast_slice(values)),
+            Kind::Stored(stored) => Err(stored),
+        }
+    }
+
     fn truncate(&mut self, length: usize) {
         match &mut self.0 {
             Kind::Bytes(bytes, start) => bytes.truncate(start.saturating_add(length)),
             Kind::Floats(values) => values.truncate(length / size_of::<f32>()),
+            Kind::Stored(stored) => stored.truncate(length),
         }
     }
 }
@@ -45,25 +120,6 @@ impl From<Vec<u8>> for Content {
         Self(Kind::Bytes(bytes, 0))
     }
 }
-
-impl Deref for Content {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        match &self.0 {
-            Kind::Bytes(bytes, start) => bytes.get(*start..).unwrap_or_default(),
-            Kind::Floats(values) => bytemuck::must_cast_slice(values),
-        }
-    }
-}
-
-impl PartialEq for Content {
-    fn eq(&self, other: &Self) -> bool {
-        **self == **other
-    }
-}
-
-impl Eq for Content {}
 
 /// Bytes that grow at their end.
 #[derive(Clone, Debug, Default)]
@@ -100,14 +156,31 @@ impl Contents {
         self.len()
     }
 
-    /// The bytes of a range that lies within one part, as each buffer view does.
-    pub(crate) fn get(&self, range: Range<usize>) -> Option<&[u8]> {
-        let part = self.ends.partition_point(|&end| end < range.end.max(range.start.saturating_add(1)));
-        let Some(bytes) = self.parts.get(part) else {
-            return (range.is_empty() && range.end <= self.len()).then_some(&[]);
+    /// The bytes of a range that lies within one part, as each buffer view does; none of any other.
+    pub(crate) fn get(&self, range: Range<usize>) -> Result<Option<&[u8]>, AssetError> {
+        let Some((part, first)) = self.part(&range) else {
+            return Ok((range.is_empty() && range.end <= self.len()).then_some(&[]));
         };
-        let first = self.ends[part] - bytes.len();
-        bytes.get(range.start.checked_sub(first)?..range.end.checked_sub(first)?)
+        let (Some(start), Some(end)) = (range.start.checked_sub(first), range.end.checked_sub(first)) else {
+            return Ok(None);
+        };
+        Ok(part.bytes()?.get(start..end))
+    }
+
+    /// Whether that range has these bytes. What is kept out of memory stays there.
+    pub(crate) fn holds(&self, range: &Range<usize>, bytes: &[u8]) -> Result<bool, AssetError> {
+        if range.len() != bytes.len() {
+            return Ok(false);
+        }
+        let Some((part, first)) = self.part(range) else { return Ok(bytes.is_empty()) };
+        range.start.checked_sub(first).map_or(Ok(false), |start| part.holds(start, bytes))
+    }
+
+    /// The part in which a range ends, and where it begins.
+    fn part(&self, range: &Range<usize>) -> Option<(&Content, usize)> {
+        let index = self.ends.partition_point(|&end| end < range.end.max(range.start.saturating_add(1)));
+        let part = self.parts.get(index)?;
+        Some((part, self.ends.get(index)? - part.len()))
     }
 
     /// Replaces bytes of the first part, where they lie in it and it is no numbers.
@@ -156,17 +229,27 @@ mod tests {
     fn parts_are_the_bytes_they_would_be_in_one() {
         let out = three();
         let one = [&[2, 3, 4, 5, 6, 0, 0, 0][..], &1_f32.to_le_bytes(), &(-2.5_f32).to_le_bytes()].concat();
-        assert_eq!(out.into_parts().iter().map(|part| &**part).collect::<Vec<_>>().concat(), one);
+        let parts = out.into_parts();
+        assert_eq!(parts.iter().map(|part| part.bytes().unwrap()).collect::<Vec<_>>().concat(), one);
     }
 
     #[test]
     fn a_range_is_found_within_its_part_only() {
         let out = three();
-        assert_eq!(out.get(0..5), Some(&[2, 3, 4, 5, 6][..]));
-        assert_eq!(out.get(12..16), Some(&(-2.5_f32).to_le_bytes()[..]));
-        assert_eq!((out.get(4..6), out.get(12..17), out.get(17..17)), (None, None, None));
-        assert_eq!((out.get(5..5), out.get(16..16)), (Some(&[][..]), Some(&[][..])));
-        assert_eq!(Contents::default().get(0..0), Some(&[][..]));
+        let get = |range| out.get(range).unwrap();
+        assert_eq!(get(0..5), Some(&[2, 3, 4, 5, 6][..]));
+        assert_eq!(get(12..16), Some(&(-2.5_f32).to_le_bytes()[..]));
+        assert_eq!((get(4..6), get(12..17), get(17..17)), (None, None, None));
+        assert_eq!((get(5..5), get(16..16)), (Some(&[][..]), Some(&[][..])));
+        assert_eq!(Contents::default().get(0..0).unwrap(), Some(&[][..]));
+        let holds = |range, bytes: &[u8]| out.holds(&range, bytes).unwrap();
+        assert!(holds(1..3, &[3, 4]) && holds(12..16, &(-2.5_f32).to_le_bytes()) && holds(0..0, &[]));
+        assert!(
+            !holds(1..3, &[3, 5])
+                && !holds(1..3, &[3, 4, 5])
+                && !holds(4..6, &[6, 0])
+                && !holds(17..18, &[0])
+        );
     }
 
     #[test]

@@ -1,19 +1,19 @@
 //! Accessors of displacements: sparse where that is smaller, and each content written once.
 
+mod encode;
+
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::Path;
 
 use serde_json::json;
 
-use crate::attributes::bounds;
-use crate::content::Content;
 use crate::document::Gltf;
 use crate::edit::{FLOAT, VERTICES, set_bounds};
 use crate::error::AssetError;
-use crate::limits::reserve;
+use crate::store::Spill;
 
-/// About what a sparse accessor takes more JSON than a dense one.
-const SPARSE_JSON: usize = 200;
+use encode::{Encoded, Survey};
 
 /// What has been written so far, by a hash of its content.
 #[derive(Clone, Debug, Default)]
@@ -31,26 +31,27 @@ struct Entry {
     accessor: usize,
 }
 
-/// Displacements as they are written.
-struct Encoded {
-    /// Bytes of an index and the indices, for a sparse accessor.
-    indices: Option<(usize, Vec<u8>)>,
-    values: Content,
-}
-
 impl Gltf {
     /// The accessor of displacements, one `VEC3` a vertex; written unless an equal one has been written before.
     /// With `with_bounds` it has `min` and `max`, as positions need them. They are kept as they are until the document is written.
     ///
     /// Without any displacement it is a sparse accessor with one explicit zero, which every reader understands; an
     /// accessor with neither data nor sparse elements, though valid, is refused by several.
+    ///
+    /// # Errors
+    ///
+    /// Of class [`ErrorClass::Limit`](crate::ErrorClass::Limit): they do not fit into memory. Of class
+    /// [`ErrorClass::Io`](crate::ErrorClass::Io): the file that takes what is not held there, of which [`Gltf::spill_beyond`] tells,
+    /// cannot be made, written or read. Misshapen tables of the document.
     pub fn append_deltas(&mut self, deltas: Vec<[f32; 3]>, with_bounds: bool) -> Result<usize, AssetError> {
         let (count, survey) = (deltas.len(), Survey::of(&deltas, with_bounds));
         let encoded = survey.encode(deltas)?;
-        if let Some(accessor) = self.find(survey.hash, count, with_bounds, &encoded) {
+        if let Some(accessor) = self.find(survey.hash, count, with_bounds, &encoded)? {
             return Ok(accessor);
         }
         let Encoded { indices, values } = encoded;
+        let indices = indices.map(|(size, bytes)| Ok((size, self.spill.keep(bytes.into())?))).transpose()?;
+        let values = self.spill.keep(values)?;
         let length = values.len();
         let mut accessor = json!({});
         let mut index_range = 0..0;
@@ -80,6 +81,30 @@ impl Gltf {
         Ok(accessor)
     }
 
+    /// Says how many `bytes` of displacements are held in memory until the document is written, by default [`HELD_BYTES`]: all of them
+    /// up to that many, and what comes then goes to a file without a name, from which it is copied when the document is
+    /// written. What is written does not depend on it. Copies of the document share the file, and it goes with the last of them or
+    /// with the process, however that ends.
+    ///
+    /// The file is in `folder`, or where that takes none, or none is said, in the system's folder for temporary files, which may be
+    /// small or in memory itself. The folder of the output is better: there must be room for the whole file in it anyway, and copying
+    /// within one file system is cheap; so long as both are there they take twice that room.
+    ///
+    /// ```no_run
+    /// # fn main() -> Result<(), wirework_asset::AssetError> {
+    /// # use wirework_asset::{Gltf, HELD_BYTES, Limits};
+    /// # use std::path::Path;
+    /// let mut gltf = Gltf::read(Path::new("in.glb"), &Limits::default())?;
+    /// gltf.spill_beyond(HELD_BYTES / 2, Some(Path::new("out")));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// [`HELD_BYTES`]: crate::HELD_BYTES
+    pub fn spill_beyond(&mut self, bytes: usize, folder: Option<&Path>) {
+        self.spill = Spill::new(bytes, folder);
+    }
+
     /// The range of the last `length` bytes of the growing buffer.
     fn last(&self, length: usize) -> Range<usize> {
         let end =
@@ -87,103 +112,24 @@ impl Gltf {
         end.saturating_sub(length)..end
     }
 
-    fn find(&self, hash: u64, count: usize, with_bounds: bool, encoded: &Encoded) -> Option<usize> {
-        let bytes = &self.buffers.get(self.growing?)?.bytes;
+    fn find(
+        &self,
+        hash: u64,
+        count: usize,
+        with_bounds: bool,
+        encoded: &Encoded,
+    ) -> Result<Option<usize>, AssetError> {
+        let Some(buffer) = self.growing.and_then(|index| self.buffers.get(index)) else { return Ok(None) };
         let indices = encoded.indices.as_ref().map_or(&[][..], |(_, bytes)| bytes);
-        let same = |entry: &&Entry| {
-            entry.count == count
-                && entry.with_bounds == with_bounds
-                && bytes.get(entry.indices.clone()) == Some(indices)
-                && bytes.get(entry.values.clone()) == Some(&*encoded.values)
-        };
-        self.written.by_hash.get(&hash)?.iter().find(same).map(|entry| entry.accessor)
-    }
-}
-
-/// What has to be known of displacements before they are written.
-struct Survey {
-    /// How many are not 0.
-    changed: usize,
-    /// The last of those, or 0.
-    last: usize,
-    /// Equal for equal content, the signs of zeros aside.
-    hash: u64,
-    /// The least and the largest of each component, where they are asked for.
-    bounds: Option<([f32; 3], [f32; 3])>,
-}
-
-impl Survey {
-    fn of(deltas: &[[f32; 3]], with_bounds: bool) -> Self {
-        /// So many are looked at several times while they are near; a multiple of two, for the hash takes floats in eights.
-        const BLOCK: usize = 1 << 10;
-        let mut out = Self { changed: 0, last: 0, hash: deltas.len() as u64, bounds: None };
-        for (k, block) in deltas.chunks(BLOCK).enumerate() {
-            let changed = block.iter().filter(|delta| moves(delta)).count();
-            if changed > 0 {
-                out.changed += changed;
-                out.last = k * BLOCK + block.iter().rposition(moves).unwrap_or(0);
-            }
-            out.hash = mix(out.hash, block.as_flattened());
-            if with_bounds {
-                out.bounds = Some(joined(out.bounds, bounds(block)));
+        let values = encoded.values.bytes()?;
+        let known = self.written.by_hash.get(&hash).map_or(&[][..], Vec::as_slice);
+        for entry in known.iter().filter(|entry| entry.count == count && entry.with_bounds == with_bounds) {
+            if buffer.bytes.holds(&entry.indices, indices)? && buffer.bytes.holds(&entry.values, values)? {
+                return Ok(Some(entry.accessor));
             }
         }
-        out
+        Ok(None)
     }
-
-    fn encode(&self, deltas: Vec<[f32; 3]>) -> Result<Encoded, AssetError> {
-        let size = match self.last {
-            0..=0xff => 1,
-            0x100..=0xffff => 2,
-            _ => 4,
-        };
-        if self.changed > 0 && self.changed * (12 + size) + SPARSE_JSON >= deltas.len() * 12 {
-            return Ok(Encoded { indices: None, values: Content::floats(deltas.into_flattened()) });
-        }
-        // Without any, the first stands for all.
-        let kept = |i: usize, delta: &[f32; 3]| moves(delta) || (self.changed == 0 && i == 0);
-        let mut indices = reserve(self.changed.max(1) * size)?;
-        let mut values = reserve(3 * self.changed.max(1))?;
-        for (i, delta) in deltas.iter().enumerate().filter(|(i, delta)| kept(*i, delta)) {
-            indices.extend_from_slice(&(i as u32).to_le_bytes()[..size]);
-            values.extend_from_slice(delta);
-        }
-        Ok(Encoded { indices: Some((size, indices)), values: Content::floats(values) })
-    }
-}
-
-/// Whether a displacement is not 0, of whatever sign: asked of the bits of its numbers at once.
-fn moves(delta: &[f32; 3]) -> bool {
-    let [x, y, z] = delta.map(f32::to_bits);
-    (x | y | z) << 1 != 0
-}
-
-/// The bounds of two runs of vectors.
-fn joined(before: Option<([f32; 3], [f32; 3])>, (low, high): ([f32; 3], [f32; 3])) -> ([f32; 3], [f32; 3]) {
-    let Some((lowest, highest)) = before else { return (low, high) };
-    (
-        std::array::from_fn(|k| if low[k] < lowest[k] { low[k] } else { lowest[k] }),
-        std::array::from_fn(|k| if high[k] > highest[k] { high[k] } else { highest[k] }),
-    )
-}
-
-/// Goes on with a hash: in four strands, so that none waits for the other. It need not withstand anybody, for what
-/// has the same hash is compared.
-fn mix(hash: u64, values: &[f32]) -> u64 {
-    /// Odd, and its bits without a pattern: from the golden ratio.
-    const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
-    let step = |state: u64, word: u64| (state ^ word).wrapping_mul(FACTOR);
-    // Adding 0 takes the sign off a zero.
-    let bits = |value: f32| u64::from((value + 0.0).to_bits());
-    let mut strands = [hash, hash ^ 1, hash ^ 2, hash ^ 3];
-    let (groups, rest) = values.as_chunks::<8>();
-    for group in groups {
-        for (strand, [low, high]) in strands.iter_mut().zip(group.as_chunks::<2>().0) {
-            *strand = step(*strand, bits(*low) | bits(*high) << 32);
-        }
-    }
-    let last = rest.iter().fold(hash, |state, &value| step(state, bits(value)));
-    strands.iter().fold(last, |state, strand| step(state.rotate_left(29), *strand))
 }
 
 #[cfg(test)]

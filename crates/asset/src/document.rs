@@ -85,6 +85,7 @@ pub struct Gltf {
     /// The buffer that takes new data, once there is one.
     pub(crate) growing: Option<usize>,
     pub(crate) written: crate::delta::Written,
+    pub(crate) spill: crate::store::Spill,
 }
 
 /// A document that is not to be worked on, since its buffers may be missing: what is told of one that is refused.
@@ -195,6 +196,7 @@ impl Gltf {
             warnings,
             growing: None,
             written: crate::delta::Written::default(),
+            spill: crate::store::Spill::default(),
         })
     }
 

@@ -157,7 +157,8 @@ impl Gltf {
         let offset = json.uint_or("byteOffset", 0)?;
         let length = json.need("byteLength")?;
         let range = offset.checked_add(length.uint()?).filter(|&end| end <= buffer.length);
-        range.and_then(|end| buffer.bytes.get(offset..end)).ok_or_else(|| {
+        let bytes = range.map_or(Ok(None), |end| buffer.bytes.get(offset..end))?;
+        bytes.ok_or_else(|| {
             length.found(
                 format!("{} bytes from byte {offset}", length.value()),
                 format!("a range within the {} bytes of the buffer", buffer.length),

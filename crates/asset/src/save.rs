@@ -65,7 +65,7 @@ impl Gltf {
     pub fn to_glb(&self) -> Result<Vec<u8>, AssetError> {
         let (json, bin) = self.clone().embedded();
         let glb = text_of(&json).and_then(|text| container::assemble(&text, bin, &self.chunks));
-        let glb = glb.map(|parts| OutputFile { parts, ..OutputFile::new("", Vec::new()) }.bytes());
+        let glb = glb.and_then(|parts| OutputFile { parts, ..OutputFile::new("", Vec::new()) }.bytes());
         glb.map_err(|error| error.in_file(&self.file))
     }
 

@@ -99,6 +99,7 @@ impl Gltf {
             warnings: Vec::new(),
             growing: None,
             written: crate::delta::Written::default(),
+            spill: crate::store::Spill::default(),
         };
         if meshes.iter().any(|mesh| !mesh.triangles.is_empty()) {
             // Not metallic, which is what a glTF material is without these lines, and seen from both sides, for
