@@ -116,9 +116,9 @@ impl<'a> Job<'a> {
 /// How far the work has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Frames that are done.
+    /// Steps that are done.
     pub done: usize,
-    /// All frames.
+    /// All steps: frames, and where bakes keep a tolerance as many again, in which what plays is held against the effect.
     pub frames: usize,
 }
 

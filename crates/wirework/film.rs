@@ -91,52 +91,63 @@ impl Film<'_> {
         let known = gltf.warnings().len();
         let clips = gltf.clip_names().len();
         let start = Instant::now();
-        let mut played = None;
         let still = matches!(self.schedule, Schedule::Still(_));
         let who = if still { Follow::All } else { Follow::NormalMapped };
         let vertices = Vertices::of_scene(&rest, point_of)?.with_tangents(&rest, who)?;
         self.shade += start.elapsed();
+        // What starts from a clip is nothing without it.
+        let under = under.filter(|_| self.motion.evaluation.is_posed());
+        let mut played = None;
         if still {
-            self.play(&mut [vertices], |_, _, vertices, evaluation| {
-                let [vertices] = vertices else { return Ok(()) };
-                let mut now = &rest;
-                if let Some(posing) = evaluation.posing() {
-                    gltf.pose_nodes(&posing.player().node_poses())?;
-                }
-                if let Some((moment, _)) = evaluation.moment() {
-                    now = moment;
-                }
-                let stuck =
-                    gltf.set_still(now, &vertices.positions, vertices.normals(), vertices.tangents())?;
-                if stuck > 0 {
-                    let who = if stuck == 1 { "vertex stays" } else { "vertices stay" };
-                    gltf.warn("singular", format!("{stuck} {who} in place: the transform has no inverse"));
-                }
-                Ok(())
-            })?;
+            self.still(&mut gltf, &rest, vertices)?;
         } else {
-            let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
-            // What starts from a clip is nothing without it.
-            let source = under.filter(|_| self.motion.evaluation.is_posed());
-            let Job { bake, tolerance, max_targets, .. } = *job;
-            let settings = Settings { bake, tolerance, max_targets, clip, source, ..Settings::default() };
-            let times: Vec<f64> = self.schedule.moments().map(|(_, seconds)| seconds).collect();
-            let start = Instant::now();
-            let mut takes = Takes { film: self, rest: &rest, vertices, worked: Duration::ZERO };
-            let baked = wirework_bake::bake(gltf, &rest, settings, &times, &mut takes)?;
-            let worked = takes.worked;
-            self.write += start.elapsed().saturating_sub(worked);
-            played = baked.played;
-            gltf = baked.gltf;
+            (gltf, played) = self.animated(job, (gltf, &rest), vertices, under)?;
         }
         let warnings = gltf.warnings().iter().skip(known);
         let file = wirework_asset::printable(gltf.file());
         let warnings = warnings.map(|warning| format!("{file}: {warning}")).collect();
-        let clip = new_clip(&gltf, clips, under.filter(|_| self.motion.evaluation.is_posed()));
+        let clip = new_clip(&gltf, clips, under);
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
         Ok(Product { files, warnings, clip, played, ..Product::default() })
+    }
+
+    /// Puts the only moment in the place of the rest.
+    fn still(&mut self, gltf: &mut Gltf, rest: &Rest, vertices: Vertices) -> Result<(), JobError> {
+        self.play(&mut [vertices], |_, _, vertices, evaluation| {
+            let [vertices] = vertices else { return Ok(()) };
+            if let Some(posing) = evaluation.posing() {
+                gltf.pose_nodes(&posing.player().node_poses())?;
+            }
+            let now = evaluation.moment().map_or(rest, |(moment, _)| moment);
+            let stuck = gltf.set_still(now, &vertices.positions, vertices.normals(), vertices.tangents())?;
+            if stuck > 0 {
+                let who = if stuck == 1 { "vertex stays" } else { "vertices stay" };
+                gltf.warn("singular", format!("{stuck} {who} in place: the transform has no inverse"));
+            }
+            Ok(())
+        })
+    }
+
+    /// Bakes all moments into targets and a clip; `source` is the clip that they start from.
+    fn animated(
+        &mut self,
+        job: &Job<'_>,
+        (gltf, rest): (Gltf, &Rest),
+        vertices: Vertices,
+        source: Option<usize>,
+    ) -> Result<(Gltf, Option<Played>), JobError> {
+        let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
+        let Job { bake, tolerance, max_targets, .. } = *job;
+        let settings = Settings { bake, tolerance, max_targets, clip, source, ..Settings::default() };
+        let times: Vec<f64> = self.schedule.moments().map(|(_, seconds)| seconds).collect();
+        let start = Instant::now();
+        let mut takes = Takes { film: self, rest, vertices, worked: Duration::ZERO };
+        let baked = wirework_bake::bake(gltf, rest, settings, &times, &mut takes)?;
+        let worked = takes.worked;
+        self.write += start.elapsed().saturating_sub(worked);
+        Ok((baked.gltf, baked.played))
     }
 
     /// Files of a scene or a mesh. A scene is as `clip` poses it, where that drives the effect; else at rest.
