@@ -1,6 +1,6 @@
 //! What engines make of a document: what each takes, what it refuses, and what morph targets cost it in memory.
 //!
-//! A document that the standard allows need not load everywhere. What is said here is of three.js r187, Bevy up to 0.20 (by way of the
+//! A document that the standard allows need not load everywhere. What is said here is of three.js r187, Bevy up to 0.19 (by way of the
 //! `gltf` crate 1.4.1), Godot 4, Blender 5.0, Babylon.js, and of phones, by what their sources say, their makers have been told, or
 //! runs of them have shown. Nothing is said of what is not known: that no finding names an engine promises nothing.
 //!
