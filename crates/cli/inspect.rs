@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use wirework::asset::printable;
 use wirework::{
-    AssetFacts, BorderFacts, EffectFacts, Fault, NodeFacts, PartFacts, PresetFacts, inspect_asset,
+    AssetFacts, BorderFacts, EffectFacts, EngineMemory, Engines, Fault, Finding, NodeFacts, PartFacts,
+    PresetFacts, Severity, inspect_asset,
 };
 
 use crate::args::Inspect;
@@ -110,6 +111,57 @@ fn rounded(x: f32) -> String {
     if text == "-0.000" { text.replace('-', "") } else { text }
 }
 
+/// A line for each engine, and one for each finding; one for all where there is nothing to tell.
+fn engine_rows(table: &mut Table, engines: &Engines) {
+    let Engines { targets, memory, findings, .. } = engines;
+    if *targets == 0 && findings.is_empty() {
+        let names: Vec<&str> = memory.iter().map(|entry| entry.engine).collect();
+        table.row("engines", &format!("ok: {}", names.join(", ")));
+        return;
+    }
+    let of_engine = |engine: &'static str| findings.iter().filter(move |finding| finding.engine == engine);
+    for entry in memory {
+        let ok = of_engine(entry.engine).all(|finding| finding.severity == Severity::Costs);
+        let parts = [ok.then(|| "ok".to_owned()), memory_line(entry, *targets)];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        if !parts.is_empty() {
+            table.row(entry.engine, &parts.join(": "));
+        }
+        of_engine(entry.engine).for_each(|finding| table.row(entry.engine, &finding_line(finding)));
+    }
+    let others = findings.iter().filter(|finding| memory.iter().all(|entry| entry.engine != finding.engine));
+    others.for_each(|finding| table.row(finding.engine, &finding_line(finding)));
+}
+
+/// What morph targets take, where there are any.
+fn memory_line(memory: &EngineMemory, targets: usize) -> Option<String> {
+    let bytes = |bytes: u64, place: &str| format!("{}{place}", megabytes(bytes));
+    let parts = [
+        Some(of(targets, "morph target", "morph targets")),
+        memory.bytes.map(|own| bytes(own, "")),
+        memory.heap_bytes.map(|heap| bytes(heap, " of JavaScript's heap")),
+    ];
+    (targets > 0).then(|| parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
+}
+
+fn megabytes(bytes: u64) -> String {
+    if bytes < 100_000 {
+        format!("{:.1} kB", bytes as f64 / 1e3)
+    } else {
+        format!("{:.1} MB", bytes as f64 / 1e6)
+    }
+}
+
+fn finding_line(finding: &Finding) -> String {
+    let severity = match finding.severity {
+        Severity::Costs => "costs",
+        Severity::Degrades => "degrades",
+        Severity::Refuses => "refuses",
+    };
+    let versions = finding.versions.map(|versions| format!(" {versions}")).unwrap_or_default();
+    format!("{severity}{versions}: {}", finding.message)
+}
+
 fn asset_table(facts: &AssetFacts) -> String {
     let mut table = Table::default();
     let obj = facts.container == Some("obj");
@@ -163,6 +215,9 @@ fn asset_table(facts: &AssetFacts) -> String {
             let names: Vec<String> = list.iter().map(|name| printable(name)).collect();
             table.row(name, &names.join(", "));
         }
+    }
+    if let Some(engines) = &facts.engines {
+        engine_rows(&mut table, engines);
     }
     if let Some(refused) = &facts.refused {
         table.row("refused", refused);

@@ -200,6 +200,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     report.warnings.extend(product.skeleton.as_ref().and_then(Skeleton::warning));
     report.warnings.extend(product.warnings);
     report.warnings.extend(source.effect_warnings(&film.motion.evaluation));
+    report.engines = product.engines;
     (report.clip, report.skeleton) = (product.clip, product.skeleton);
     report.bake = product.played.map(BakeReport::from);
     if job.strict && !report.warnings.is_empty() {

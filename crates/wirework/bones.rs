@@ -98,10 +98,11 @@ impl Film<'_> {
         let file = wirework_asset::printable(gltf.file());
         warnings.extend(gltf.warnings().iter().skip(known).map(|warning| format!("{file}: {warning}")));
         let clip = new_clip(&gltf, clips, under.filter(|_| posed));
+        let engines = Some(crate::engines(&gltf));
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
-        Ok(Product { files, warnings, clip, skeleton: Some(skeleton), ..Product::default() })
+        Ok(Product { files, warnings, clip, skeleton: Some(skeleton), engines, ..Product::default() })
     }
 
     /// The model with the joints of a limb: its own, or made for it.

@@ -10,6 +10,7 @@ use wirework_asset::{
 use wirework_bake::{Frame, Moments, Played, Settings};
 use wirework_surface::Mesh;
 
+use crate::engines::engines;
 use crate::error::count;
 use crate::joints::as_one;
 use crate::motion::Motion;
@@ -18,7 +19,7 @@ use crate::parts::MeshPart;
 use crate::shade::{Follow, Vertices, own_normals};
 use crate::sides::Recorders;
 use crate::subject::Model;
-use crate::{Evaluation, Job, JobError, NewClip, Progress, Schedule, Skeleton};
+use crate::{Engines, Evaluation, Job, JobError, NewClip, Progress, Schedule, Skeleton};
 
 /// What came out.
 #[derive(Default)]
@@ -30,6 +31,8 @@ pub(crate) struct Product {
     pub(crate) skeleton: Option<Skeleton>,
     /// How well morph targets play the effect.
     pub(crate) played: Option<Played>,
+    /// What engines make of the document.
+    pub(crate) engines: Option<Engines>,
 }
 
 /// An effect on its way through time.
@@ -88,7 +91,7 @@ impl Film<'_> {
         under: Option<usize>,
     ) -> Result<Product, JobError> {
         let Scene { mut gltf, rest, point_of, .. } = scene;
-        let known = gltf.warnings().len();
+        let (known, before) = (gltf.warnings().len(), engines(&gltf));
         let clips = gltf.clip_names().len();
         let start = Instant::now();
         let still = matches!(self.schedule, Schedule::Still(_));
@@ -103,14 +106,16 @@ impl Film<'_> {
         } else {
             (gltf, played) = self.animated(job, (gltf, &rest), vertices, under)?;
         }
+        let engines = engines(&gltf);
         let warnings = gltf.warnings().iter().skip(known);
         let file = wirework_asset::printable(gltf.file());
-        let warnings = warnings.map(|warning| format!("{file}: {warning}")).collect();
+        let warnings = warnings.map(|warning| format!("{file}: {warning}"));
+        let warnings = warnings.chain(engines.warning(&before)).collect();
         let clip = new_clip(&gltf, clips, under);
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
-        Ok(Product { files, warnings, clip, played, ..Product::default() })
+        Ok(Product { files, warnings, clip, played, engines: Some(engines), ..Product::default() })
     }
 
     /// Puts the only moment in the place of the rest.

@@ -10,7 +10,10 @@ use wirework_preset::{
 use wirework_stitch::{Edge, Seam};
 
 pub use asset::{RefusedAsset, inspect_asset};
+pub(crate) use asset::{list, number};
 pub use parts::{NodeFacts, PartFacts};
+
+use crate::Engines;
 
 /// What is in a glTF or OBJ file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -44,6 +47,8 @@ pub struct AssetFacts {
     pub extensions_used: Vec<String>,
     /// Extensions that a reader must know.
     pub extensions_required: Vec<String>,
+    /// What engines make of it; none of an OBJ, and of a file that is refused for anything but an extension.
+    pub engines: Option<Engines>,
     /// What is not right, and what is done about it.
     pub warnings: Vec<String>,
     /// Why effects refuse it; of the rest there is what can be told nevertheless.

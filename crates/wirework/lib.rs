@@ -122,6 +122,7 @@ mod apply;
 mod bones;
 mod caches;
 mod decode;
+mod engines;
 mod error;
 mod evaluate;
 mod film;
@@ -172,6 +173,7 @@ pub use wirework_surface::Mesh;
 
 pub use apply::{Job, Progress, apply};
 pub use caches::CacheFacts;
+pub use engines::{About, EngineMemory, Engines, Finding, Severity, engines};
 pub use error::{Fault, JobError};
 pub use evaluate::{EvaluateError, Evaluation, Spent};
 pub use inspect::{

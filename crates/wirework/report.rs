@@ -3,7 +3,7 @@
 use serde::Serialize;
 use wirework_bake::{Bake, NodeBake, Played};
 
-use crate::{CacheFacts, FinerMesh, VatFacts};
+use crate::{CacheFacts, Engines, FinerMesh, VatFacts};
 
 /// Counts and times. As JSON it is the command's report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -41,6 +41,8 @@ pub struct Report {
     pub caches: Vec<CacheFacts>,
     /// The vertex animation texture, where there is one.
     pub vat: Option<VatFacts>,
+    /// What engines make of the document that is written; none of an OBJ.
+    pub engines: Option<Engines>,
     /// What was repaired, passed over, or is hardly meant.
     pub warnings: Vec<String>,
 }

@@ -7,6 +7,7 @@ mod commands;
 mod document;
 mod effects;
 mod elements;
+mod engines;
 mod exit_codes;
 mod faults;
 mod hostile;

@@ -161,8 +161,12 @@ fn animate(gltf: &mut Gltf, deltas: &[Vec<[f32; 3]>]) -> f64 {
     let weights = (0..TARGETS * TARGETS).map(|i| if i % (TARGETS + 1) == 0 { 1.0 } else { 0.0 }).collect();
     time + seconds(|| {
         gltf.add_targets(0, &targets).expect("a mesh");
-        gltf.add_clip(&Clip::New("clip".to_owned()), &times, &[WeightTrack { node: 0, times: None, weights }])
-            .expect("a node");
+        gltf.add_clip(
+            &Clip::New("clip".to_owned()),
+            &times,
+            &[WeightTrack { node: 0, times: None, weights }],
+        )
+        .expect("a node");
     })
 }
 

@@ -87,7 +87,7 @@ impl Playing {
     pub(crate) fn wanted(&self, seconds: f64) -> Option<f64> {
         let Way::Keys(way) = &self.way else { return None };
         let time = |key: usize| self.study.seen[key].time;
-        let before = way.targets.last().and(way.keys.get(way.targets.len() - 1));
+        let before = way.targets.len().checked_sub(1).and_then(|last| way.keys.get(last));
         if before.is_some_and(|key| time(*key) >= seconds) {
             return None;
         }

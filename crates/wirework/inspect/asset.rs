@@ -5,13 +5,14 @@ use std::path::Path;
 
 use serde_json::Value;
 use thiserror::Error;
-use wirework_asset::{Gltf, Limits, Obj, Outline, Rest, Warning, printable};
+use wirework_asset::{Gltf, Limits, Obj, Outline, Place, Rest, Warning, printable};
 use wirework_bake::{CROWDED, Settings};
 use wirework_stitch::border_loops;
 use wirework_surface::{Bounds, Mesh};
 
 use super::parts::{broken_colors, groups, materials, named_parts, nodes, of_mesh};
 use super::{AnimationFacts, AssetFacts, BorderFacts, BoundsFacts, MeshFacts, PartFacts, SkinFacts};
+use crate::engines::{engines, of_json};
 use crate::evaluate::{bounds_frame, has_extent};
 use crate::subject::{FileKind, Model, Subject};
 use crate::{JobError, MeshPart};
@@ -44,12 +45,13 @@ pub fn inspect_asset(path: &Path, limits: &Limits) -> Result<AssetFacts, Box<Ref
         Model::Gltf { gltf, rest } => {
             let mut facts = of_document(gltf.json(), gltf.is_binary());
             facts.warnings = subject.warnings();
+            facts.engines = Some(engines(gltf));
             match of_scene(gltf, rest, &mut facts) {
                 Ok(()) => facts,
                 Err(error) => {
                     // Of a file that is refused nothing is repaired or passed through.
                     let AssetFacts { warnings, .. } = outline(path, limits, &error);
-                    return Err(refused(AssetFacts { warnings, ..facts }, error));
+                    return Err(refused(AssetFacts { warnings, engines: None, ..facts }, error));
                 }
             }
         }
@@ -98,13 +100,21 @@ fn outline(path: &Path, limits: &Limits, error: &JobError) -> AssetFacts {
             let other = |warning: &&Warning| !matches!(error, JobError::Asset(e) if e.place == warning.place);
             let warnings = outline.warnings.iter().filter(other);
             let warnings = warnings.map(|warning| format!("{file}: {warning}")).collect();
-            AssetFacts { warnings, ..of_document(&outline.json, outline.binary) }
+            // What else refuses an extension, its JSON tells.
+            let engines = refuses_extension(error).then(|| of_json(&outline.json));
+            AssetFacts { warnings, engines, ..of_document(&outline.json, outline.binary) }
         }
         Some(FileKind::Obj) if path.is_file() => {
             AssetFacts { container: Some("obj"), ..AssetFacts::default() }
         }
         _ => AssetFacts::default(),
     }
+}
+
+/// Whether it is an extension for which a document is refused.
+fn refuses_extension(error: &JobError) -> bool {
+    let JobError::Asset(error) = error else { return false };
+    matches!(&error.place, Place::Pointer(pointer) if pointer.starts_with("/extensionsRequired"))
 }
 
 fn of_obj(parts: &[MeshPart], mesh: &Mesh, obj: Option<&Obj>, subject: &Subject) -> AssetFacts {
@@ -196,7 +206,7 @@ fn of_animation(json: &Value, animation: &Value) -> AnimationFacts {
     }
 }
 
-fn list<'a>(json: &'a Value, key: &str) -> &'a [Value] {
+pub(crate) fn list<'a>(json: &'a Value, key: &str) -> &'a [Value] {
     json.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
 
@@ -204,6 +214,6 @@ fn name(json: &Value) -> Option<String> {
     json.get("name")?.as_str().map(str::to_owned)
 }
 
-fn number(json: &Value, key: &str) -> Option<usize> {
+pub(crate) fn number(json: &Value, key: &str) -> Option<usize> {
     json.get(key)?.as_u64()?.try_into().ok()
 }

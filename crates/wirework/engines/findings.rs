@@ -1,0 +1,225 @@
+//! What engines refuse, show otherwise, or pay for without use.
+
+use std::collections::BTreeMap;
+
+use super::sheet::{Mesh, Primitive, Sheet};
+use super::{About, BABYLON, BEVY, BLENDER, Finding, GODOT, PHONES, Severity, THREE, three_bytes};
+
+/// So many targets of a mesh an engine takes.
+struct Most {
+    engine: &'static str,
+    versions: Option<&'static str>,
+    targets: usize,
+    severity: Severity,
+    why: &'static str,
+}
+
+/// Bevy's `MAX_MORPH_WEIGHTS`; the layers of an array texture that WebGL2 guarantees, each of which holds a target; and how many three.js
+/// was seen to show on phones that show nothing of a mesh with more.
+const MOST: [Most; 5] = [
+    Most {
+        engine: BEVY,
+        versions: Some("up to 0.17"),
+        targets: 64,
+        severity: Severity::Refuses,
+        why: "it takes 64",
+    },
+    Most {
+        engine: BEVY,
+        versions: Some("from 0.18"),
+        targets: 256,
+        severity: Severity::Refuses,
+        why: "it takes 256",
+    },
+    Most {
+        engine: THREE,
+        versions: None,
+        targets: 256,
+        severity: Severity::Degrades,
+        why: "each is a layer of a texture, of which WebGL2 guarantees 256, and a device with no more of them shows something else",
+    },
+    Most {
+        engine: BABYLON,
+        versions: None,
+        targets: 256,
+        severity: Severity::Degrades,
+        why: "each is a layer of a texture, of which WebGL2 guarantees 256, and a device with no more of them falls back to 8 attributes",
+    },
+    Most {
+        engine: PHONES,
+        versions: None,
+        targets: 241,
+        severity: Severity::Degrades,
+        why: "above 241 some show nothing of it",
+    },
+];
+
+/// The vertices of a primitive that Bevy puts 9 floats of each into a texture of 2048 × 2048.
+const BEVY_VERTICES: u64 = 2048 * 2048 / 9;
+
+/// Required extensions that an engine does not read. Meshopt's have one name by their first maker and one by Khronos.
+const UNREAD: [(&str, &[&str]); 3] = [
+    (BEVY, &[QUANTIZATION, MESHOPT[0], MESHOPT[1], DRACO]),
+    (GODOT, &[QUANTIZATION, MESHOPT[0], MESHOPT[1], DRACO]),
+    (BLENDER, &MESHOPT),
+];
+const QUANTIZATION: &str = "KHR_mesh_quantization";
+const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+const DRACO: &str = "KHR_draco_mesh_compression";
+
+/// All that is found, engines in the order of the table of memory for each reason.
+pub(super) fn findings(sheet: &Sheet<'_>) -> Vec<Finding> {
+    let mut out: Vec<Finding> = extensions(sheet).collect();
+    out.extend(parts(sheet));
+    out.extend(MOST.iter().filter_map(|most| too_many(sheet, most)));
+    out.extend(of_meshes(sheet));
+    out.extend(costs(sheet));
+    out
+}
+
+fn finding(
+    (engine, versions): (&'static str, Option<&'static str>),
+    severity: Severity,
+    about: About,
+    (meshes, message): (Vec<usize>, String),
+) -> Finding {
+    Finding { engine, versions, severity, about, meshes, message }
+}
+
+fn extensions(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
+    UNREAD.iter().filter_map(|(engine, unread)| {
+        let names: Vec<&str> = unread.iter().copied().filter(|name| sheet.required.contains(name)).collect();
+        let message = format!("the document requires {}", names.join(", "));
+        (!names.is_empty())
+            .then(|| finding((engine, None), Severity::Refuses, About::Extension, (Vec::new(), message)))
+    })
+}
+
+/// Of accessors, clips and scenes.
+fn parts(sheet: &Sheet<'_>) -> Vec<Finding> {
+    let mut out = Vec::new();
+    let mut add = |engine, severity, about, (kind, entries): (&str, &[usize]), what: &str| {
+        let Some((first, others)) = entries.split_first() else { return };
+        let more = match others.len() {
+            0 => String::new(),
+            n => format!("; so with {n} more"),
+        };
+        out.push(finding(engine, severity, about, (Vec::new(), format!("{kind} {first} {what}{more}"))));
+    };
+    for engine in [BEVY, "SharpGLTF", "UnityGLTF"] {
+        let what = "has neither a buffer view nor sparse values";
+        add((engine, None), Severity::Refuses, About::Accessors, ("accessor", &sheet.empty), what);
+    }
+    let godot = (GODOT, Some("before 4.1"));
+    let what = "has sparse values and no buffer view";
+    add(godot, Severity::Degrades, About::Accessors, ("accessor", &sheet.baseless), what);
+    let what = "has a channel that names no node";
+    add((BEVY, None), Severity::Refuses, About::Clips, ("animation", &sheet.nodeless_clips), what);
+    let what = "has no list of nodes";
+    add((BEVY, None), Severity::Refuses, About::Scenes, ("scene", &sheet.nodeless_scenes), what);
+    out
+}
+
+/// The meshes of which there is something to count, and what is said of the first that has most of it.
+fn most(
+    sheet: &Sheet<'_>,
+    count: impl Fn(&Mesh) -> u64,
+    say: impl Fn(u64) -> String,
+) -> Option<(Vec<usize>, String)> {
+    let counts = sheet.meshes.iter().map(count).enumerate().filter(|&(_, count)| count > 0);
+    let counts: Vec<(usize, u64)> = counts.collect();
+    let &(worst, count) = counts.iter().rev().max_by_key(|(_, count)| *count)?;
+    let more = match counts.len() {
+        1 => String::new(),
+        n => format!("; so with {} more", n - 1),
+    };
+    let message = format!("{} {}{more}", sheet.meshes.get(worst)?.label, say(count));
+    Some((counts.into_iter().map(|(mesh, _)| mesh).collect(), message))
+}
+
+fn too_many(sheet: &Sheet<'_>, limit: &Most) -> Option<Finding> {
+    let count = |mesh: &Mesh| if mesh.targets > limit.targets { mesh.targets as u64 } else { 0 };
+    let told = most(sheet, count, |targets| format!("has {targets} targets, {}", limit.why))?;
+    Some(finding((limit.engine, limit.versions), limit.severity, About::Targets, told))
+}
+
+/// What is wrong with meshes besides.
+fn of_meshes(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
+    let vertices = |mesh: &Mesh| {
+        let morphed = mesh.primitives.iter().filter(|primitive| primitive.targets > 0);
+        morphed.map(|primitive| primitive.vertices).filter(|&v| v > BEVY_VERTICES).max().unwrap_or(0)
+    };
+    let vertices = most(sheet, vertices, |vertices| {
+        format!("has targets for {vertices} vertices in a primitive, its textures take {BEVY_VERTICES}")
+    });
+    let unweighted = |mesh: &Mesh| if mesh.weights { 0 } else { mesh.targets as u64 };
+    let unweighted =
+        most(sheet, unweighted, |targets| format!("has {targets} targets and no list of weights"));
+    let named = most(
+        sheet,
+        |mesh| mesh.colons as u64,
+        |names| format!("has {names} names of targets with a colon, which it replaces"),
+    );
+    let unequal = most(
+        sheet,
+        |mesh| (mesh.targets - mesh.fewest) as u64,
+        |more| format!("has {more} targets more in one primitive than in another"),
+    );
+    let joints = |mesh: &Mesh| mesh.primitives.iter().filter(|primitive| primitive.many_joints).count();
+    let joints = most(
+        sheet,
+        |mesh| joints(mesh) as u64,
+        |_| "may hang on more than four joints a vertex (JOINTS_1), it takes four".to_owned(),
+    );
+    let found = [
+        ((BEVY, None), Severity::Refuses, About::Vertices, vertices),
+        ((BEVY, Some("in older versions")), Severity::Degrades, About::Weights, unweighted),
+        ((BLENDER, Some("in some versions")), Severity::Refuses, About::UnequalTargets, unequal),
+        ((GODOT, None), Severity::Degrades, About::Names, named),
+        ((THREE, None), Severity::Degrades, About::Influences, joints),
+    ];
+    let told = |(engine, severity, about, told): (_, _, _, Option<_>)| {
+        told.map(|told| finding(engine, severity, about, told))
+    };
+    found.into_iter().filter_map(told)
+}
+
+/// What takes memory, or room in the file, and does nothing.
+fn costs(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
+    let with = |count: fn(&Primitive) -> usize| {
+        move |mesh: &Mesh| mesh.primitives.iter().map(count).max().unwrap_or(0) as u64
+    };
+    let tangents = most(sheet, with(|primitive| primitive.tangents), |targets| {
+        format!("has tangents in {targets} targets, which it does not use")
+    });
+    let normals = most(sheet, with(|primitive| primitive.normals), |targets| {
+        format!("has normals in {targets} targets, which it does not use: it works out its own")
+    });
+    let shared = most(sheet, copied, |bytes| {
+        format!("has primitives that share their vertices: copies of their targets take {bytes} bytes")
+    });
+    let found = [
+        (THREE, About::SharedVertices, shared),
+        (THREE, About::Attributes, tangents),
+        (BLENDER, About::Attributes, normals),
+    ];
+    let told = |(engine, about, told): (_, _, Option<_>)| {
+        told.map(|told| finding((engine, None), Severity::Costs, about, told))
+    };
+    found.into_iter().filter_map(told)
+}
+
+/// What three.js takes for targets of vertices that another primitive has already: it makes textures for each.
+fn copied(mesh: &Mesh) -> u64 {
+    let mut largest: BTreeMap<Option<usize>, u64> = BTreeMap::new();
+    let mut all: u64 = 0;
+    for primitive in &mesh.primitives {
+        let bytes = three_bytes(primitive)
+            .saturating_mul(primitive.vertices)
+            .saturating_mul(primitive.targets as u64);
+        all = all.saturating_add(bytes);
+        let slot = largest.entry(primitive.at).or_default();
+        *slot = (*slot).max(bytes);
+    }
+    all - largest.values().fold(0, |sum: u64, bytes| sum.saturating_add(*bytes)).min(all)
+}

@@ -1,0 +1,251 @@
+use super::*;
+use serde_json::json;
+
+/// A mesh of a primitive whose position accessor is `at`, with as many targets as are given, of these attributes.
+fn mesh(name: &str, at: usize, targets: usize, attributes: &[&str]) -> Value {
+    let target: Value =
+        attributes.iter().map(|key| ((*key).to_owned(), json!(1))).collect::<serde_json::Map<_, _>>().into();
+    json!({
+        "name": name, "weights": vec![0; targets],
+        "primitives": [{ "attributes": { "POSITION": at }, "targets": vec![target; targets] }],
+    })
+}
+
+/// A document of these meshes; accessor 0 has 1000 vertices, accessor 1 has 10.
+fn document(meshes: &[Value]) -> Value {
+    json!({
+        "asset": { "version": "2.0" }, "meshes": meshes,
+        "accessors": [{ "bufferView": 0, "count": 1000 }, { "bufferView": 0, "count": 10 }],
+    })
+}
+
+/// Findings as they are told, but for those that cost only.
+fn told(json: &Value) -> Vec<String> {
+    let findings = of_json(json).findings.into_iter();
+    findings.filter(|finding| finding.severity > Severity::Costs).map(|finding| finding.to_string()).collect()
+}
+
+fn costs(json: &Value) -> Vec<String> {
+    let findings = of_json(json).findings.into_iter();
+    findings
+        .filter(|finding| finding.severity == Severity::Costs)
+        .map(|finding| finding.to_string())
+        .collect()
+}
+
+#[test]
+fn memory_is_that_of_the_table() {
+    let plain =
+        of_json(&document(&[mesh("a", 0, 3, &["POSITION"]), mesh("b", 1, 5, &["POSITION", "NORMAL"])]));
+    assert_eq!(plain.targets, 5);
+    let bytes: Vec<_> = plain.memory.iter().map(|m| (m.engine, m.bytes, m.heap_bytes)).collect();
+    let (a, b) = (1000 * 3, 10 * 5);
+    assert_eq!(
+        bytes,
+        [
+            ("three.js", Some(16 * a + 32 * b), Some(28 * a + 56 * b)),
+            ("Bevy", Some(36 * (a + b)), None),
+            ("Godot", Some(12 * a + 24 * b), None),
+            ("Blender", Some(12 * (a + b)), None),
+            ("Babylon.js", None, None),
+            ("phones", None, None),
+        ]
+    );
+    // Normals in one target alone: the textures of all have them, arrays that are dense do not.
+    let mut some = mesh("a", 1, 3, &["POSITION"]);
+    some["primitives"][0]["targets"][1] = json!({ "NORMAL": 1, "TANGENT": 1 });
+    let some = of_json(&document(&[some]));
+    let of = |engine: usize| some.memory[engine].bytes;
+    assert_eq!((of(0), of(1), of(2), of(3)), (Some(32 * 30), Some(36 * 30), Some(12 * 40), Some(12 * 30)));
+    let none = of_json(&document(&[mesh("a", 0, 0, &[])]));
+    assert_eq!((none.targets, none.memory[0].bytes, none.findings.len()), (0, Some(0), 0));
+}
+
+#[test]
+fn targets_beyond_a_limit_are_told_and_at_it_are_not() {
+    for (targets, engines) in [
+        (64, vec![]),
+        (65, vec!["Bevy up to 0.17"]),
+        (241, vec!["Bevy up to 0.17"]),
+        (242, vec!["Bevy up to 0.17", "phones"]),
+        (256, vec!["Bevy up to 0.17", "phones"]),
+        (257, vec!["Bevy up to 0.17", "Bevy from 0.18", "three.js", "Babylon.js", "phones"]),
+    ] {
+        let told = told(&document(&[mesh("drop", 1, targets, &["POSITION"])]));
+        let heads: Vec<_> = told.iter().filter_map(|line| line.split_once(": mesh \"drop\" has ")).collect();
+        assert_eq!(heads.iter().map(|(engine, _)| *engine).collect::<Vec<_>>(), engines, "{told:?}");
+        assert!(heads.iter().all(|(_, rest)| rest.starts_with(&format!("{targets} targets, "))), "{told:?}");
+    }
+    let many = [("a", 65), ("b", 3), ("c\u{1b}", 120), ("d", 120)];
+    let many = document(&many.map(|(name, targets)| mesh(name, 1, targets, &["POSITION"])));
+    assert_eq!(
+        told(&many),
+        ["Bevy up to 0.17: mesh \"c\\u{1b}\" has 120 targets, it takes 64; so with 2 more"]
+    );
+    assert_eq!(of_json(&many).findings[0].meshes, [0, 2, 3]);
+    // One without a name goes by its number.
+    let mut nameless = mesh("", 1, 65, &["POSITION"]);
+    nameless.as_object_mut().unwrap().remove("name");
+    assert_eq!(told(&document(&[nameless])), ["Bevy up to 0.17: mesh 0 has 65 targets, it takes 64"]);
+}
+
+#[test]
+fn what_else_is_found_of_meshes_is_told() {
+    let cases: [(Value, &str); 5] = [
+        (
+            json!({ "weights": null }),
+            "Bevy in older versions: mesh \"drop\" has 3 targets and no list of weights",
+        ),
+        (
+            json!({ "extras": { "targetNames": ["a:b", "c", "d:"] } }),
+            "Godot: mesh \"drop\" has 2 names of targets with a colon, which it replaces",
+        ),
+        (
+            json!({ "primitives": [{ "attributes": { "POSITION": 0 } }, { "attributes": { "POSITION": 1 }, "targets": [{}, {}] }] }),
+            "Blender in some versions: mesh \"drop\" has 2 targets more in one primitive than in another",
+        ),
+        (
+            json!({ "primitives": [{ "attributes": { "POSITION": 0, "JOINTS_1": 4 } }] }),
+            "three.js: mesh \"drop\" may hang on more than four joints a vertex (JOINTS_1), it takes four",
+        ),
+        (
+            json!({ "primitives": [{ "attributes": { "POSITION": 2 }, "targets": [{ "POSITION": 0 }] }] }),
+            "Bevy: mesh \"drop\" has targets for 466034 vertices in a primitive, its textures take 466033",
+        ),
+    ];
+    for (changes, want) in cases {
+        let mut json = document(&[mesh("drop", 1, 3, &["POSITION"])]);
+        json["accessors"].as_array_mut().unwrap().push(json!({ "bufferView": 0, "count": 466_034 }));
+        for (key, value) in changes.as_object().unwrap() {
+            let mesh = json["meshes"][0].as_object_mut().unwrap();
+            if value.is_null() {
+                mesh.remove(key)
+            } else {
+                mesh.insert(key.clone(), value.clone())
+            };
+        }
+        assert_eq!(told(&json), [want]);
+    }
+    let mut large = document(&[mesh("drop", 0, 1, &["POSITION"])]);
+    large["accessors"][0]["count"] = json!(466_033);
+    assert_eq!(told(&large), [""; 0]);
+}
+
+#[test]
+fn what_costs_and_does_nothing_is_told() {
+    let all = document(&[mesh("drop", 0, 3, &["POSITION", "NORMAL", "TANGENT"])]);
+    let normals =
+        "Blender: mesh \"drop\" has normals in 3 targets, which it does not use: it works out its own";
+    assert_eq!(
+        costs(&all),
+        ["three.js: mesh \"drop\" has tangents in 3 targets, which it does not use", normals]
+    );
+    // Three materials on the same vertices are three times the textures, of which two are copies.
+    let mut split = mesh("drop", 0, 3, &["POSITION"]);
+    let primitive = split["primitives"][0].clone();
+    split["primitives"] = json!([primitive, primitive, primitive]);
+    let split = document(&[split]);
+    let want = format!(
+        "three.js: mesh \"drop\" has primitives that share their vertices: copies of their targets take {} bytes",
+        2 * 16 * 1000 * 3
+    );
+    assert_eq!(costs(&split), [want]);
+    assert_eq!(of_json(&split).memory[0].bytes, Some(3 * 16 * 1000 * 3));
+}
+
+#[test]
+fn what_refuses_a_document_is_told() {
+    let mut json = document(&[]);
+    json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+    json["scenes"] = json!([{ "nodes": [0] }]);
+    json["animations"] = json!([{ "channels": [{ "target": { "node": 0, "path": "weights" } }] }]);
+    assert_eq!(told(&json), [""; 0], "what is used need not be known");
+    json["extensionsRequired"] = json!(["EXT_meshopt_compression", "KHR_mesh_quantization"]);
+    json["accessors"][0] = json!({ "count": 3 });
+    json["accessors"][1] = json!({ "count": 3, "sparse": {} });
+    json["accessors"].as_array_mut().unwrap().push(json!({ "count": 3 }));
+    json["scenes"] = json!([{}]);
+    json["animations"][0]["channels"][0]["target"] = json!({ "path": "pointer" });
+    let empty = "accessor 0 has neither a buffer view nor sparse values; so with 1 more";
+    assert_eq!(
+        told(&json),
+        [
+            "Bevy: the document requires KHR_mesh_quantization, EXT_meshopt_compression",
+            "Godot: the document requires KHR_mesh_quantization, EXT_meshopt_compression",
+            "Blender: the document requires EXT_meshopt_compression",
+            &format!("Bevy: {empty}"),
+            &format!("SharpGLTF: {empty}"),
+            &format!("UnityGLTF: {empty}"),
+            "Godot before 4.1: accessor 1 has sparse values and no buffer view",
+            "Bevy: animation 0 has a channel that names no node",
+            "Bevy: scene 0 has no list of nodes",
+        ]
+    );
+}
+
+/// Bevy reads by the `gltf` crate: what is said of Bevy's reading, that crate does.
+#[test]
+fn the_reader_of_bevy_refuses_what_is_said_of_it() {
+    let good = json!({
+        "asset": { "version": "2.0" },
+        "buffers": [{ "byteLength": 36, "uri": "data:," }], "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "accessors": [{
+            "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3, "min": [0, 0, 0], "max": [1, 1, 1],
+        }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "nodes": [{ "mesh": 0 }], "scenes": [{ "nodes": [0] }],
+        "animations": [{
+            "channels": [{ "sampler": 0, "target": { "node": 0, "path": "scale" } }],
+            "samplers": [{ "input": 0, "output": 0 }],
+        }],
+    });
+    let refuses = |json: &Value| gltf::Gltf::from_slice(json.to_string().as_bytes()).is_err();
+    let edits: [fn(&mut Value); 8] = [
+        |_| (),
+        |json| json["extensionsRequired"] = json!(["KHR_mesh_quantization"]),
+        |json| json["extensionsRequired"] = json!(["EXT_meshopt_compression"]),
+        |json| json["extensionsRequired"] = json!(["KHR_meshopt_compression"]),
+        |json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
+        |json| drop(json["accessors"][0].as_object_mut().unwrap().remove("bufferView")),
+        |json| json["scenes"] = json!([{}]),
+        |json| drop(json["animations"][0]["channels"][0]["target"].as_object_mut().unwrap().remove("node")),
+    ];
+    for (index, edit) in edits.iter().enumerate() {
+        let mut json = good.clone();
+        edit(&mut json);
+        let findings = of_json(&json).findings;
+        let told = findings.iter().any(|f| f.engine == "Bevy" && f.severity == Severity::Refuses);
+        assert_eq!((refuses(&json), told), (index > 0, index > 0), "{index}: {findings:?}");
+    }
+}
+
+#[test]
+fn whatever_the_json_holds_is_fine() {
+    let huge = json!({ "bufferView": 0, "count": u64::MAX });
+    let mut json = document(&[mesh("a", 0, 300, &["POSITION", "NORMAL"]), mesh("b", 7, 1, &["POSITION"])]);
+    json["accessors"][0] = huge;
+    json["accessors"][1] = json!("none");
+    assert_eq!(of_json(&json).memory[0].bytes, Some(u64::MAX));
+    let twice = json["meshes"][0]["primitives"][0].clone();
+    json["meshes"][0]["primitives"] = json!([twice, twice, 1, {}]);
+    for odd in
+        [json, json!(null), json!([]), json!({ "meshes": [1, { "primitives": { "a": 1 } }], "scenes": 2 })]
+    {
+        drop(of_json(&odd));
+    }
+}
+
+#[test]
+fn a_warning_tells_what_is_new_alone() {
+    let of = |counts: [usize; 2]| {
+        of_json(&document(&counts.map(|targets| mesh("drop", 1, targets, &["POSITION", "NORMAL"]))))
+    };
+    let warning = |before, after| of(after).warning(&of(before));
+    assert_eq!(warning([0, 0], [64, 64]), None);
+    assert_eq!(warning([100, 0], [110, 3]), None);
+    let bevy = "Bevy up to 0.17: mesh \"drop\" has 120 targets, it takes 64";
+    assert_eq!(warning([0, 0], [120, 3]).unwrap(), format!("{bevy} [engines]"));
+    assert_eq!(warning([120, 0], [120, 65]).unwrap(), format!("{bevy}; so with 1 more [engines]"));
+    let both = warning([120, 0], [250, 0]).unwrap();
+    assert_eq!(both, "phones: mesh \"drop\" has 250 targets, above 241 some show nothing of it [engines]");
+}
