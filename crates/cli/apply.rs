@@ -97,6 +97,9 @@ fn tell(console: Console, args: &Apply, effects: &[Effect], report: &Report) -> 
     for warning in &report.warnings {
         console.warn(warning);
     }
+    for note in &report.notes {
+        console.note(note);
+    }
     let Report { points, wires, frames, threads, .. } = report;
     console.detail(&format!(
         "bind {:.1} ms, deform {:.1} ms, normals {:.1} ms, write {:.1} ms, {threads} threads, {:.0} MB at most",

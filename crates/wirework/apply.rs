@@ -116,9 +116,9 @@ impl<'a> Job<'a> {
 /// How far the work has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Steps that are done.
+    /// Frames that are done.
     pub done: usize,
-    /// All steps: frames, and where bakes keep a tolerance as many again, in which what plays is held against the effect.
+    /// All frames.
     pub frames: usize,
 }
 
@@ -203,6 +203,7 @@ fn run(job: &Job<'_>, progress: &mut (dyn FnMut(Progress) + Send)) -> Result<Rep
     report.engines = product.engines;
     (report.clip, report.skeleton) = (product.clip, product.skeleton);
     report.bake = product.played.map(BakeReport::from);
+    report.notes.extend(product.note);
     if job.strict && !report.warnings.is_empty() {
         return Err(JobError::Strict(report.warnings));
     }

@@ -179,7 +179,7 @@ fn memory(sheet: &Sheet<'_>) -> Vec<EngineMemory> {
 impl Engines {
     /// What of this an effect has brought about, `before` being what was said of its input: targets that an engine does not take.
     /// What else effects add is read everywhere, or told by those that add it.
-    pub(crate) fn warning(&self, before: &Self) -> Option<String> {
+    pub(crate) fn note(&self, before: &Self) -> Option<String> {
         let known = |finding: &Finding| -> BTreeSet<usize> {
             let same = before.findings.iter().filter(|known| {
                 (known.engine, known.versions, known.about)

@@ -31,6 +31,8 @@ pub(crate) struct Product {
     pub(crate) skeleton: Option<Skeleton>,
     /// How well morph targets play the effect.
     pub(crate) played: Option<Played>,
+    /// What engines do not take of what was added.
+    pub(crate) note: Option<String>,
     /// What engines make of the document.
     pub(crate) engines: Option<Engines>,
 }
@@ -109,13 +111,13 @@ impl Film<'_> {
         let engines = engines(&gltf);
         let warnings = gltf.warnings().iter().skip(known);
         let file = wirework_asset::printable(gltf.file());
-        let warnings = warnings.map(|warning| format!("{file}: {warning}"));
-        let warnings = warnings.chain(engines.warning(&before)).collect();
+        let warnings = warnings.map(|warning| format!("{file}: {warning}")).collect();
+        let note = engines.note(&before);
         let clip = new_clip(&gltf, clips, under);
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
-        Ok(Product { files, warnings, clip, played, engines: Some(engines), ..Product::default() })
+        Ok(Product { files, warnings, clip, played, engines: Some(engines), note, ..Product::default() })
     }
 
     /// Puts the only moment in the place of the rest.
@@ -148,7 +150,7 @@ impl Film<'_> {
         let settings = Settings { bake, tolerance, max_targets, clip, source, ..Settings::default() };
         let times: Vec<f64> = self.schedule.moments().map(|(_, seconds)| seconds).collect();
         let start = Instant::now();
-        let mut takes = Takes { film: self, rest, vertices, worked: Duration::ZERO };
+        let mut takes = Takes { film: self, rest, vertices, worked: Duration::ZERO, told: 0 };
         let baked = wirework_bake::bake(gltf, rest, settings, &times, &mut takes)?;
         let worked = takes.worked;
         self.write += start.elapsed().saturating_sub(worked);
@@ -222,13 +224,15 @@ struct Takes<'t, 'a> {
     vertices: Vertices,
     /// How long it took to work moments out.
     worked: Duration,
+    /// How many frames have been told of as done.
+    told: usize,
 }
 
 impl Moments for Takes<'_, '_> {
     type Error = JobError;
 
     fn at(&mut self, seconds: f64) -> Result<Frame<'_>, JobError> {
-        let Self { film, rest, vertices, worked } = self;
+        let Self { film, rest, vertices, worked, .. } = self;
         let start = Instant::now();
         film.motion.at(seconds)?;
         let deformed = Instant::now();
@@ -241,7 +245,13 @@ impl Moments for Takes<'_, '_> {
     }
 
     fn progress(&mut self, done: usize, all: usize) {
-        (self.film.progress)(Progress { done, frames: all });
+        // A frame may be looked at more than once.
+        let frames = self.film.schedule.count();
+        let done = done * frames / all.max(1);
+        if done > self.told {
+            self.told = done;
+            (self.film.progress)(Progress { done, frames });
+        }
     }
 }
 

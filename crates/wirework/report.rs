@@ -45,6 +45,8 @@ pub struct Report {
     pub engines: Option<Engines>,
     /// What was repaired, passed over, or is hardly meant.
     pub warnings: Vec<String>,
+    /// What is worth knowing and no fault of anything: engines that do not take what was added.
+    pub notes: Vec<String>,
 }
 
 /// A clip that was added to a document.

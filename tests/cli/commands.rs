@@ -73,7 +73,7 @@ fn check_says_which_are_good() {
 #[test]
 fn inspect_tells_what_apply_made() {
     let place = Place::new();
-    place.run("apply lift.ron -o lift.glb").expect(0);
+    place.run("apply lift.ron -o lift.glb --bake frames").expect(0);
     let done = place.run("inspect lift.glb --json").expect(0);
     let facts: Value = gltf::json::deserialize::from_str(&done.out()).unwrap();
     assert_eq!((facts["container"].as_str(), facts["vertices"].as_u64()), (Some("glb"), Some(289)));

@@ -11,7 +11,7 @@ use crate::oracle::{self, Shown};
 use crate::place::{Place, shared};
 
 /// How far what is played may be from the still of that moment, in parts of the diagonal.
-const PLAYED: f64 = 1e-5;
+const PLAYED: f64 = 1e-4;
 /// Frames a second, of an effect of one second.
 const FPS: f64 = 8.0;
 

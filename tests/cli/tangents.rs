@@ -137,7 +137,7 @@ fn an_animation_morphs_tangents_where_a_normal_map_is() {
     place.write("rise.ron", RISE);
     let input = gutter().glb();
     place.write("in.glb", &input);
-    place.run("apply rise.ron in.glb -o out.glb --fps 4").expect(0);
+    place.run("apply rise.ron in.glb -o out.glb --fps 4 --bake frames").expect(0);
     let glb = place.read("out.glb");
     let json = json_of(&glb);
     for mesh in json["meshes"].as_array().unwrap() {
@@ -200,7 +200,7 @@ fn without_a_normal_map_no_tangents_are_morphed() {
     let mut doc = gutter();
     doc.json["materials"] = json!([{ "occlusionTexture": { "index": 0 } }, {}]);
     place.write("in.glb", doc.glb());
-    place.run("apply rise.ron in.glb -o out.glb --fps 4").expect(0);
+    place.run("apply rise.ron in.glb -o out.glb --fps 4 --bake frames").expect(0);
     for mesh in json_of(&place.read("out.glb"))["meshes"].as_array().unwrap() {
         let targets = mesh["primitives"][0]["targets"].as_array().unwrap();
         assert!(
@@ -235,7 +235,7 @@ fn each_primitive_of_a_shared_block_has_its_own_set_of_coordinates() {
     place.write("rise.ron", RISE);
     let input = two_sets().glb();
     place.write("in.glb", &input);
-    place.run("apply rise.ron in.glb -o out.glb --fps 4").expect(0);
+    place.run("apply rise.ron in.glb -o out.glb --fps 4 --bake frames").expect(0);
     place.run("apply rise.ron in.glb -o still.glb --at 1").expect(0);
     let rest = oracle::evaluate(&input, None, 0.0);
     for now in [

@@ -45,12 +45,13 @@ pub fn bake<M: Moments>(
         return Ok(baker.finish()?);
     }
     check(times, settings.tolerance)?;
-    let mut work =
-        Work { writer: Writer::new(gltf, rest, settings), moments, frames: times.len(), cached: None };
+    let writer = Writer::new(gltf, rest, settings);
+    let frames = times.len();
+    let mut work = Work { writer, moments, frames, areas: Areas::new(rest), cached: None };
     let tolerance = work.writer.settings.tolerance * diagonal(rest);
     let (fields, studies) = work.studied(times, tolerance)?;
     let (mut playing, off) = work.planned(&fields, studies)?;
-    let off = worst(off, work.played(times, &mut playing)?);
+    let off = worst(off, work.played(times, &fields, &mut playing)?);
     Ok(work.finish(playing, off, tolerance)?)
 }
 
@@ -75,6 +76,7 @@ struct Work<'a, 'm, M> {
     moments: &'m mut M,
     /// How many frames were asked for.
     frames: usize,
+    areas: Areas,
     /// The last key pose, which several nodes may want.
     cached: Option<Rc<Sample>>,
 }
@@ -82,13 +84,12 @@ struct Work<'a, 'm, M> {
 impl<M: Moments> Work<'_, '_, M> {
     /// Looks at the whole motion.
     fn studied(&mut self, times: &[f64], tolerance: f64) -> Result<(Vec<Field>, Vec<Study>), M::Error> {
-        let Self { writer, moments, frames, .. } = self;
+        let Self { writer, moments, frames, areas, .. } = self;
         let fields =
             writer.nodes.iter().map(|node| Field::new(writer.rest, node, |block| writer.is_mapped(block)));
         let fields: Vec<Field> = fields.collect();
         let room: Vec<usize> = writer.nodes.iter().map(|node| writer.settings.room(node.own)).collect();
         let mut studies = Study::all(&fields, &room, writer.rest, &writer.settings, diagonal(writer.rest));
-        let areas = Areas::new(writer.rest);
         let (mut stuck, mut done) = (0, 0);
         let mut look = |time: f64| -> Result<Look, M::Error> {
             let frame = moments.at(time)?;
@@ -132,11 +133,11 @@ impl<M: Moments> Work<'_, '_, M> {
     }
 
     /// Writes key poses, and looks between frames how far what is shown is off.
-    fn played(&mut self, times: &[f64], playing: &mut [Playing]) -> Result<Off, M::Error> {
+    fn played(&mut self, times: &[f64], fields: &[Field], playing: &mut [Playing]) -> Result<Off, M::Error> {
         let mut off = Off::default();
         for (index, pair) in times.windows(2).enumerate() {
             let time = pair[0] + BETWEEN * (pair[1] - pair[0]);
-            self.keys_up_to(playing, time)?;
+            self.keys_up_to(fields, playing, time)?;
             let frame = self.moments.at(time)?;
             let sample = self.writer.sample(index, time, &frame)?;
             for one in playing.iter() {
@@ -145,25 +146,34 @@ impl<M: Moments> Work<'_, '_, M> {
             let done = self.frames + (index + 1) * self.frames / times.len();
             self.moments.progress(done, 2 * self.frames);
         }
-        self.keys_up_to(playing, f64::INFINITY)?;
+        self.keys_up_to(fields, playing, f64::INFINITY)?;
         self.moments.progress(2 * self.frames, 2 * self.frames);
         Ok(off)
     }
 
     /// Writes the key poses that are needed to know what is shown at a time.
-    fn keys_up_to(&mut self, playing: &mut [Playing], seconds: f64) -> Result<(), M::Error> {
+    fn keys_up_to(&mut self, fields: &[Field], playing: &mut [Playing], seconds: f64) -> Result<(), M::Error> {
         for one in playing {
             while let Some(time) = one.wanted(seconds) {
                 let known = self.cached.as_ref().filter(|sample| sample.time == time);
                 let sample = match known {
                     Some(known) => Rc::clone(known),
-                    None => Rc::new(self.writer.sample(0, time, &self.moments.at(time)?)?),
+                    None => Rc::new(self.pose(fields, time)?),
                 };
                 self.cached = Some(Rc::clone(&sample));
                 one.write_key(&mut self.writer, &sample)?;
             }
         }
         Ok(())
+    }
+
+    /// A key pose: with normals as long as the area round them, so that those between two poses are right, too.
+    fn pose(&mut self, fields: &[Field], time: f64) -> Result<Sample, M::Error> {
+        let frame = self.moments.at(time)?;
+        let mut sample = self.writer.sample(0, time, &frame)?;
+        let growth = self.areas.growth(self.writer.rest, &frame.moment.positions, frame.positions);
+        fields.iter().for_each(|field| field.lengthen(&mut sample, &growth));
+        Ok(sample)
     }
 
     fn finish(self, playing: Vec<Playing>, off: Off, tolerance: f64) -> Result<Baked, BakeError> {

@@ -83,6 +83,19 @@ impl Field {
         out
     }
 
+    /// Gives normals and tangents of a sample the length of `growth`.
+    pub(crate) fn lengthen(&self, sample: &mut Sample, growth: &[f32]) {
+        for part in &self.blocks {
+            let Some(deltas) = sample.blocks.get_mut(part.block) else { continue };
+            let growth = growth.get(part.first..).unwrap_or_default();
+            for (base, own) in part.directions.iter().zip([&mut deltas.normals, &mut deltas.tangents]) {
+                for ((delta, base), growth) in own.iter_mut().flatten().zip(base).zip(growth) {
+                    *delta = lengthened(*base, *delta, *growth);
+                }
+            }
+        }
+    }
+
     /// Lists of the node as displacements of its blocks, each with the block's number.
     pub(crate) fn apart(&self, places: &[Vector], directions: &[Vector]) -> Vec<(usize, LocalDeltas)> {
         let (mut places, mut directions) = (places, directions);

@@ -240,7 +240,7 @@ fn a_warning_tells_what_is_new_alone() {
     let of = |counts: [usize; 2]| {
         of_json(&document(&counts.map(|targets| mesh("drop", 1, targets, &["POSITION", "NORMAL"]))))
     };
-    let warning = |before, after| of(after).warning(&of(before));
+    let warning = |before, after| of(after).note(&of(before));
     assert_eq!(warning([0, 0], [64, 64]), None);
     assert_eq!(warning([100, 0], [110, 3]), None);
     let bevy = "Bevy up to 0.17: mesh \"drop\" has 120 targets, it takes 64";

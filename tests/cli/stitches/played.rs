@@ -22,7 +22,8 @@ fn no_crack_shows_where_a_moving_tear_is_not() {
     let size = diagonal(&place.rest_points(&patches));
     let tear = "Tear(at: Keys([(0, 0.1), (2, 0.9)]), width: 0.3, gape: 0.05)";
     let preset = sewn(&patches, &format!("correspondence: Parameter, tears: [{tear}]"));
-    for bake in ["", "--bake frames"] {
+    // A bake within a tolerance has both edges within it.
+    for (bake, apart) in [("", 2e-4), ("--bake frames", ONE)] {
         let film = place.film(&preset, bake);
         let mut widest: f64 = 0.0;
         for frame in 0..=48 {
@@ -31,7 +32,7 @@ fn no_crack_shows_where_a_moving_tear_is_not() {
             let [a, b] = both(&patches, &film, Some(seconds));
             for (j, (p, q)) in a.iter().zip(&b).enumerate() {
                 if (j as f64 / ALONG as f64 - middle).abs() >= 0.15 {
-                    assert!(p.distance(*q) <= ONE * size, "frame {frame}, vertex {j}: {}", p.distance(*q));
+                    assert!(p.distance(*q) <= apart * size, "frame {frame}, vertex {j}: {}", p.distance(*q));
                 }
                 widest = widest.max(p.distance(*q));
             }
