@@ -30,8 +30,11 @@ const AT_CORNERS: usize = 9;
 /// Halves of a way that is off by no more times what is allowed are not: of a smooth one they are off by a quarter of it, at a corner by half.
 const HALVED: f64 = 2.5;
 
+/// Halvings after which that tells anything: a short event may show in halves only.
+const ALWAYS: usize = 3;
+
 /// Where both halves are off by more than this part of what the whole is, the motion is not smooth at all, and looking closer is no use.
-const JUMPY: f64 = 0.6;
+const JUMPY: f64 = 0.9;
 
 /// A way is looked at only where the curvature before and after it says that it is off by more than one in so many parts of what is allowed.
 const SURE: f64 = 4.0;
@@ -139,7 +142,8 @@ impl<E, L: FnMut(f64) -> Result<Look, E>, T: FnMut(&Look) -> Result<(), E>> Betw
         }
         let sides = [self.bulging(a, middle)?, self.bulging(middle, b)?];
         let still_off = |part: f64| sides.iter().flatten().filter(|(_, side)| *side > part * off).count();
-        let goes_on = still_off(JUMPY) < 2 && (times < HALVINGS || still_off(0.0) == 1);
+        let settles = times < ALWAYS || still_off(JUMPY) < 2;
+        let goes_on = settles && (times < HALVINGS || still_off(0.0) == 1);
         let [before, after] = sides.map(|side| side.filter(|_| goes_on));
         if let Some((before, off)) = before {
             self.halved(a, (&before, off), middle, times + 1)?;

@@ -152,7 +152,12 @@ impl<M: Moments> Work<'_, '_, M> {
     }
 
     /// Writes the key poses that are needed to know what is shown at a time.
-    fn keys_up_to(&mut self, fields: &[Field], playing: &mut [Playing], seconds: f64) -> Result<(), M::Error> {
+    fn keys_up_to(
+        &mut self,
+        fields: &[Field],
+        playing: &mut [Playing],
+        seconds: f64,
+    ) -> Result<(), M::Error> {
         for one in playing {
             while let Some(time) = one.wanted(seconds) {
                 let known = self.cached.as_ref().filter(|sample| sample.time == time);

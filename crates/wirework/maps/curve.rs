@@ -97,8 +97,8 @@ mod tests {
             let w = f64::from(k) / 10.0;
             let flat = corners[0] * (1.0 - w) + corners[1] * w;
             let bent = flat + offset_of(&corners, &normals, [1.0 - w, w, 0.0]);
-            // A fiftieth of what the chord is off in its middle.
-            assert!((bent.length() - 1.0).abs() < 4e-4, "{} at {w}", bent.length());
+            // Of the fiftieth that the chord is off, a thirtieth is left in its middle.
+            assert!((bent.length() - 1.0).abs() < 6e-4, "{} at {w}", bent.length());
         }
         assert_eq!(offset_of(&corners, &normals, [0.0, 1.0, 0.0]).length(), 0.0);
         assert_eq!(offset_of(&corners, &[DVec3::Y; 3], [0.2, 0.3, 0.5]), DVec3::ZERO);
