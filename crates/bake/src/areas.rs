@@ -23,12 +23,13 @@ impl Areas {
         let mut group_of = vec![0; rest.positions.len()];
         let mut groups: HashMap<[u32; 6], u32> = HashMap::new();
         for block in &rest.blocks {
-            for v in block.first..block.first + block.count {
-                let normal = block.normals.as_ref().and_then(|normals| normals.get(v - block.first));
-                let [x, y, z] = rest.positions[v].map(f32::to_bits);
+            let own = group_of.iter_mut().zip(&rest.positions).skip(block.first).take(block.count);
+            for (k, (group, position)) in own.enumerate() {
+                let normal = block.normals.as_ref().and_then(|normals| normals.get(k));
+                let [x, y, z] = position.map(f32::to_bits);
                 let [a, b, c] = normal.copied().unwrap_or_default().map(f32::to_bits);
                 let new = groups.len() as u32;
-                group_of[v] = *groups.entry([x, y, z, a, b, c]).or_insert(new);
+                *group = *groups.entry([x, y, z, a, b, c]).or_insert(new);
             }
         }
         Self { group_of, groups: groups.len() }

@@ -177,7 +177,9 @@ impl<M: Moments> Work<'_, '_, M> {
         let frame = self.moments.at(time)?;
         let mut sample = self.writer.sample(0, time, &frame)?;
         let growth = self.areas.growth(self.writer.rest, &frame.moment.positions, frame.positions);
-        fields.iter().for_each(|field| field.lengthen(&mut sample, &growth));
+        for field in fields {
+            field.lengthen(&mut sample, &growth);
+        }
         Ok(sample)
     }
 
@@ -193,7 +195,7 @@ impl<M: Moments> Work<'_, '_, M> {
                 Way::Keys(_) => Some(Bake::Keys),
                 Way::Basis(_) => Some(Bake::Basis),
             };
-            let (node, targets) = (writer.nodes[one.node].node, one.target_count());
+            let (node, targets) = (writer.nodes[one.node].index, one.target_count());
             let clip = one.clip(&mut writer, tolerance)?;
             let keys = clip.track.times.as_ref().map_or(0, Vec::len);
             nodes.extend(bake.filter(|_| targets > 0).map(|bake| NodeBake { node, bake, targets, keys }));

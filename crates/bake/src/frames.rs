@@ -92,7 +92,7 @@ impl<'a> Baker<'a> {
     /// Adds targets and clip to the document.
     pub fn finish(self) -> Result<Baked, BakeError> {
         let Self { writer, times, nodes } = self;
-        let clips = writer.nodes.iter().zip(nodes).map(|(node, track)| track.clip(node.node, node.own));
+        let clips = writer.nodes.iter().zip(nodes).map(|(node, track)| track.clip(node.index, node.own));
         let clips = clips.collect();
         writer.finish(&times, clips)
     }

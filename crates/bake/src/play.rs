@@ -215,7 +215,7 @@ impl Playing {
             track.extend(weights.get(key).into_iter().flatten().map(|w| *w as f32));
         }
         let times = kept.iter().map(|&key| times[key] as f32).collect();
-        let node = writer.nodes[self.node].node;
+        let node = writer.nodes[self.node].index;
         Ok(NodeClip { targets, track: WeightTrack { node, times: Some(times), weights: track } })
     }
 }

@@ -61,7 +61,7 @@ struct Axes {
     /// What poses are counted from: the rest, or their mean.
     origin: DVector<f64>,
     /// One a column, the most important one first.
-    axes: DMatrix<f64>,
+    directions: DMatrix<f64>,
     /// The coordinates of poses along them, one pose a row.
     along: DMatrix<f64>,
     /// How far a vertex is off at most with so many axes.
@@ -94,7 +94,7 @@ impl Choice {
 
     /// The least error that so many targets can keep, metres.
     pub(crate) fn error_with(&self, subspace: &Subspace, targets: usize) -> f64 {
-        let Axes { axes, along, errors: known, .. } = &self.axes;
+        let Axes { directions: axes, along, errors: known, .. } = &self.axes;
         let rank = targets.saturating_sub(1).min(known.len() - 1);
         errors(&subspace.shapes, axes, along, f64::INFINITY)[rank]
     }
@@ -127,7 +127,7 @@ impl Choice {
     pub(crate) fn basis(self, subspace: Subspace, count: usize, rests: &[bool]) -> Basis {
         let offset = self.count(rests) > self.rank;
         let ranges: Vec<[f64; 2]> = (0..self.rank).map(|axis| self.range(axis, rests)).collect();
-        let Self { axes: Axes { origin, axes, along, errors }, rank, .. } = self;
+        let Self { axes: Axes { origin, directions: axes, along, errors }, rank, .. } = self;
         let weight = |pose: usize, axis: usize| {
             let [low, high] = ranges[axis];
             ((along[(pose, axis)] - low) / (high - low)).clamp(0.0, 1.0)
@@ -217,7 +217,7 @@ impl Axes {
             }
         }
         let errors = errors(&subspace.shapes, &axes, &along, enough);
-        Self { origin, axes, along, errors }
+        Self { origin, directions: axes, along, errors }
     }
 }
 
@@ -251,7 +251,9 @@ fn errors(shapes: &[Vec<Vector>], axes: &DMatrix<f64>, along: &DMatrix<f64>, eno
         let mut left = [0, 1, 2].map(|_| vec![[0.0_f32; LANES]; lanes]);
         let mut first = 0;
         for pose in along.column_iter() {
-            left.iter_mut().for_each(|list| list.fill([0.0; LANES]));
+            for list in &mut left {
+                list.fill([0.0; LANES]);
+            }
             for axis in (first..count).rev() {
                 let far = added(&mut left, pose[axis], &shapes[axis]);
                 most[axis] = most[axis].max(far);

@@ -11,9 +11,9 @@ const MOST_BYTES: usize = 96 << 20;
 #[derive(Debug)]
 pub(crate) struct Keys {
     /// The indices of samples that are keys. The last sample is one too, once all are in.
-    pub(crate) keys: Vec<usize>,
+    chosen: Vec<usize>,
     /// How far a sample is at most from the way between its keys, metres.
-    pub(crate) error: f64,
+    error: f64,
     /// What is allowed.
     tolerance: f64,
     /// And at samples that equal the rest.
@@ -36,7 +36,7 @@ struct Waiting {
 impl Keys {
     pub(crate) fn new(tolerance: f64, at_rest: f64) -> Self {
         Self {
-            keys: Vec::new(),
+            chosen: Vec::new(),
             error: 0.0,
             tolerance,
             at_rest,
@@ -53,7 +53,7 @@ impl Keys {
         self.count += 1;
         let new = Waiting { time, places, rests };
         let Some(key) = &self.key else {
-            self.keys.push(index);
+            self.chosen.push(index);
             self.key = Some((new.time, new.places));
             return;
         };
@@ -86,7 +86,7 @@ impl Keys {
     /// Makes the last of what waits a key.
     fn close(&mut self) {
         let Some(last) = self.waiting.pop() else { return };
-        self.keys.push(self.count - 2);
+        self.chosen.push(self.count - 2);
         self.error = self.error.max(self.pending);
         self.pending = 0.0;
         self.key = Some((last.time, last.places));
@@ -96,10 +96,10 @@ impl Keys {
     /// The keys, once all samples are in.
     pub(crate) fn finish(mut self) -> (Vec<usize>, f64) {
         if self.count > 1 {
-            self.keys.push(self.count - 1);
+            self.chosen.push(self.count - 1);
             self.error = self.error.max(self.pending);
         }
-        (self.keys, self.error)
+        (self.chosen, self.error)
     }
 }
 

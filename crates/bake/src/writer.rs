@@ -38,7 +38,7 @@ pub(crate) struct Sample {
 /// A node whose mesh gets targets.
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
-    pub(crate) node: usize,
+    pub(crate) index: usize,
     pub(crate) mesh: usize,
     /// How many targets the mesh has of its own.
     pub(crate) own: usize,
@@ -132,9 +132,9 @@ impl<'a> Writer<'a> {
         }
         let mut nodes: Vec<Node> = Vec::new();
         for part in &rest.parts {
-            if nodes.last().is_none_or(|known| known.node != part.node) {
-                let (node, mesh, own) = (part.node, part.mesh, gltf.target_count(part.mesh));
-                nodes.push(Node { node, mesh, own, primitives: Vec::new(), blocks: Vec::new() });
+            if nodes.last().is_none_or(|known| known.index != part.node) {
+                let (index, mesh, own) = (part.node, part.mesh, gltf.target_count(part.mesh));
+                nodes.push(Node { index, mesh, own, primitives: Vec::new(), blocks: Vec::new() });
             }
             if let Some(node) = nodes.last_mut() {
                 node.primitives.push((part.block, part.normal_mapped));
@@ -248,7 +248,7 @@ impl<'a> Writer<'a> {
         let Self { mut gltf, settings, nodes, stuck, .. } = self;
         let mut meshes: BTreeMap<usize, Vec<(usize, &[MeshTarget])>> = BTreeMap::new();
         for (node, clip) in nodes.iter().zip(&clips) {
-            meshes.entry(node.mesh).or_default().push((node.node, &clip.targets));
+            meshes.entry(node.mesh).or_default().push((node.index, &clip.targets));
         }
         for (mesh, targets) in meshes {
             gltf.add_targets_by_node(mesh, &targets)?;

@@ -102,7 +102,7 @@ fn outline(path: &Path, limits: &Limits, error: &JobError) -> AssetFacts {
             let warnings = warnings.map(|warning| format!("{file}: {warning}")).collect();
             // What else refuses an extension, its JSON tells.
             let engines = refuses_extension(error).then(|| of_json(&outline.json));
-            AssetFacts { warnings, engines, ..of_document(&outline.json, outline.binary) }
+            AssetFacts { engines, warnings, ..of_document(&outline.json, outline.binary) }
         }
         Some(FileKind::Obj) if path.is_file() => {
             AssetFacts { container: Some("obj"), ..AssetFacts::default() }

@@ -6,8 +6,11 @@ use super::*;
 
 const SMALL: Settings = Settings { size: [32; 2], samples: 2, padding: 0 };
 
+/// Positions, texture coordinates and triangles.
+type Sheet = (Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<[u32; 3]>);
+
 /// A sheet of cells in the plane of X and Z, 1 m wide, its normals up, at texture coordinates by `uv` of those on it.
-fn sheet(cells: u32, uv: impl Fn([f32; 2]) -> [f32; 2]) -> (Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<[u32; 3]>) {
+fn sheet(cells: u32, uv: impl Fn([f32; 2]) -> [f32; 2]) -> Sheet {
     let at = |i: u32| i as f32 / cells as f32;
     let places: Vec<[f32; 2]> =
         (0..=cells).flat_map(|j| (0..=cells).map(move |i| [i, j])).map(|p| p.map(at)).collect();
@@ -342,7 +345,7 @@ proptest! {
             [snap(middle[0] + r * cos), snap(middle[1] + r * sin)]
         }).collect();
         let surface = fan(middle, &rim);
-        let size = [SIDE as i64; 2];
+        let size = [i64::try_from(SIDE).unwrap(); 2];
         let mut times = vec![0; SIDE * SIDE];
         for index in 0..surface.triangles.len() {
             let corners = surface.triangles[index].vertices.map(|v| surface.uvs[v as usize].map(f64::from));
