@@ -33,6 +33,9 @@ const HALVED: f64 = 2.5;
 /// Halvings after which that tells anything: a short event may show in halves only.
 const ALWAYS: usize = 3;
 
+/// A motion that has not settled so often is not looked at so closely any more.
+const PATIENCE: usize = 16;
+
 /// Where both halves are off by more than this part of what the whole is, the motion is not smooth at all, and looking closer is no use.
 const JUMPY: f64 = 0.9;
 
@@ -67,7 +70,7 @@ pub(crate) fn looked<E>(
     look: &mut impl FnMut(f64) -> Result<Look, E>,
     take: &mut impl FnMut(&Look) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut between = Between { tolerance, look, take };
+    let mut between = Between { tolerance, unsettled: 0, look, take };
     let mut frames: Vec<Look> = Vec::with_capacity(3);
     // Of the frames before; unknown at the start.
     let mut before = None;
@@ -105,6 +108,8 @@ fn bulges(a: &Look, b: &Look, c: &Look) -> f64 {
 
 struct Between<'a, L, T> {
     tolerance: f64,
+    /// How often looking closer has been no use.
+    unsettled: usize,
     look: &'a mut L,
     take: &'a mut T,
 }
@@ -142,7 +147,9 @@ impl<E, L: FnMut(f64) -> Result<Look, E>, T: FnMut(&Look) -> Result<(), E>> Betw
         }
         let sides = [self.bulging(a, middle)?, self.bulging(middle, b)?];
         let still_off = |part: f64| sides.iter().flatten().filter(|(_, side)| *side > part * off).count();
-        let settles = times < ALWAYS || still_off(JUMPY) < 2;
+        let patient = times < ALWAYS && self.unsettled < PATIENCE;
+        let settles = patient || still_off(JUMPY) < 2;
+        self.unsettled += usize::from(!settles);
         let goes_on = settles && (times < HALVINGS || still_off(0.0) == 1);
         let [before, after] = sides.map(|side| side.filter(|_| goes_on));
         if let Some((before, off)) = before {
