@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use wirework::asset::{OutputFile, check_output, printable, write_files};
+use wirework::asset::{check_output, printable};
 use wirework::preset::{Action, Effect};
 use wirework::{
     BakeReport, CacheFacts, Fault, FinerMesh, Job, JobError, Report, Skeleton, VatFacts, VatJob, When, bake,
 };
 
 use crate::args::{Apply, Bake, VatFormat, VatNormals};
-use crate::console::{Console, print};
+use crate::console::{Console, write_report};
 use crate::exit::Failure;
 use crate::{diagnostics, presets};
 
@@ -143,14 +143,7 @@ fn tell(console: Console, args: &Apply, effects: &[Effect], report: &Report) -> 
         report.total_ms / 1e3,
         added(report).filter(|_| args.output.is_some() && !args.dry_run).unwrap_or_default()
     ));
-    match args.report.as_deref() {
-        None => Ok(()),
-        Some(path) if path == Path::new("-") => print(report.to_json().as_bytes()),
-        Some(path) => {
-            let file = OutputFile::new(path, report.to_json().into_bytes());
-            write_files(&[file]).map_err(|error| Failure::from(JobError::from(error)))
-        }
-    }
+    write_report(args.report.as_deref(), report.to_json())
 }
 
 /// What morph targets play the effect, and how well.

@@ -128,7 +128,7 @@ pub(crate) struct Apply {
     /// Add the effect to a clip of the input, by name or number, so that viewers play both; `new` makes a new clip
     #[arg(long, default_value = "new", value_name = "CLIP")]
     pub(crate) into: String,
-    /// Write counts and times as JSON to a file; `-` is standard output
+    /// Write counts, times, how exact the result is and what engines make of it as JSON to a file; `-` is standard output
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
     /// Do everything but write

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use wirework::asset::{OutputFile, check_output, printable, write_files};
+use wirework::asset::{check_output, printable};
 use wirework::bake::map::{self, Depth};
 use wirework::{JobError, MapJob, MapReport, bake_map};
 
 use crate::args::BakeMap;
-use crate::console::{Console, print};
+use crate::console::{Console, write_report};
 use crate::exit::Failure;
 use crate::{diagnostics, presets};
 
@@ -45,14 +45,7 @@ pub(crate) fn run(console: Console, args: &BakeMap) -> Result<(), Failure> {
         diagnostics::fail(console, &preset, error)
     })?;
     tell(console, args, &report);
-    match args.report.as_deref() {
-        None => Ok(()),
-        Some(path) if path == Path::new("-") => print(report.to_json().as_bytes()),
-        Some(path) => {
-            let file = OutputFile::new(path, report.to_json().into_bytes());
-            write_files(&[file]).map_err(|error| Failure::from(JobError::from(error)))
-        }
-    }
+    write_report(args.report.as_deref(), report.to_json())
 }
 
 fn tell(console: Console, args: &BakeMap, report: &MapReport) {

@@ -1,7 +1,9 @@
 //! Standard output for what was asked for, standard error for people.
 
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::path::Path;
 
+use wirework::asset::{OutputFile, write_files};
 use wirework::{JobError, Progress};
 
 use crate::args::{ProgressKind, Talk};
@@ -109,6 +111,16 @@ impl Console {
 /// A line for people; nobody hears that standard error is closed.
 pub(crate) fn say(line: &str) {
     drop(writeln!(io::stderr(), "{line}"));
+}
+
+/// Writes a report where it was asked for: `-` is standard output.
+pub(crate) fn write_report(place: Option<&Path>, json: String) -> Result<(), Failure> {
+    match place {
+        None => Ok(()),
+        Some(path) if path == Path::new("-") => print(json.as_bytes()),
+        Some(path) => write_files(&[OutputFile::new(path, json.into_bytes())])
+            .map_err(|error| Failure::from(JobError::from(error))),
+    }
 }
 
 /// Writes what was asked for. A reader that has seen enough is no failure.

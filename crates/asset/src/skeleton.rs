@@ -28,6 +28,13 @@ pub struct NewJoint<'a> {
     pub scale: [f32; 3],
 }
 
+impl<'a> NewJoint<'a> {
+    /// One at a place of its parent's space, with axes as its parent has them.
+    pub fn at(name: &'a str, parent: Option<usize>, translation: [f32; 3]) -> Self {
+        Self { name, parent, translation, rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] }
+    }
+}
+
 /// A skeleton, and how vertices hang on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewSkin<'a> {

@@ -47,14 +47,12 @@ const SURE: f64 = 4.0;
 pub(crate) struct Look {
     pub(crate) sample: Sample,
     pub(crate) places: Vec<Vec<Vector>>,
-    /// By which factor the surface grows round each vertex.
-    pub(crate) growth: Vec<f32>,
 }
 
 impl Look {
-    pub(crate) fn new(sample: Sample, fields: &[Field], growth: Vec<f32>) -> Self {
+    pub(crate) fn new(sample: Sample, fields: &[Field]) -> Self {
         let places = fields.iter().map(|field| field.places(&sample)).collect();
-        Self { sample, places, growth }
+        Self { sample, places }
     }
 
     fn time(&self) -> f64 {

@@ -6,6 +6,7 @@
 
 use std::collections::HashMap;
 
+use glam::DVec3;
 use wirework_asset::Rest;
 
 /// Areas are not taken for more, or less, than so many times those at rest: normals of what collapses would have no length.
@@ -56,9 +57,7 @@ impl Areas {
 }
 
 /// Twice the area of a triangle.
-fn area([a, b, c]: [[f32; 3]; 3]) -> f64 {
-    let edge = |to: [f32; 3]| -> [f64; 3] { std::array::from_fn(|k| f64::from(to[k]) - f64::from(a[k])) };
-    let (u, v) = (edge(b), edge(c));
-    let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    cross.iter().map(|c| c * c).sum::<f64>().sqrt()
+fn area(corners: [[f32; 3]; 3]) -> f64 {
+    let [a, b, c] = corners.map(|p| DVec3::from_array(p.map(f64::from)));
+    (b - a).cross(c - a).length()
 }

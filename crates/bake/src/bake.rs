@@ -3,16 +3,17 @@
 use std::rc::Rc;
 
 use wirework_asset::{Gltf, Rest};
+use wirework_surface::Bounds;
 
 use crate::adapt::{Look, Moments, looked};
 use crate::areas::Areas;
 use crate::error::BakeError;
 use crate::field::Field;
 use crate::frames::Baker;
-use crate::play::{Off, Playing, Way, diagonal, worst};
+use crate::play::{Off, Playing, Way, worst};
 use crate::settings::{Bake, Settings};
 use crate::study::Study;
-use crate::writer::{Baked, NodeBake, Played, Sample, Writer};
+use crate::writer::{Baked, Frame, NodeBake, Played, Sample, Writer, key_time};
 
 /// The part of the tolerance by which the way between two samples may be off.
 const OF_WAYS: f64 = 0.25;
@@ -61,14 +62,29 @@ fn check(times: &[f64], tolerance: f64) -> Result<(), BakeError> {
     }
     let mut before = None;
     for (frame, &time) in times.iter().enumerate() {
-        let seconds = time as f32;
-        if !(seconds.is_finite() && seconds >= 0.0 && before.is_none_or(|before| before < seconds)) {
-            let problem = "does not come after the one before it, or before second 0";
-            return Err(BakeError::Frame { frame, problem });
-        }
-        before = Some(seconds);
+        before = Some(key_time(frame, time, before)?);
     }
     Ok(())
+}
+
+/// A frame in the spaces of the meshes, with normals as long as the area round them, so that those of sums, and between two poses, are
+/// right, too.
+fn lengthened(
+    (writer, areas, fields): (&Writer<'_>, &Areas, &[Field]),
+    (index, time): (usize, f64),
+    frame: &Frame<'_>,
+) -> Result<Sample, BakeError> {
+    let mut sample = writer.sample(index, time, frame)?;
+    let growth = areas.growth(writer.rest, &frame.moment.positions, frame.positions);
+    for field in fields {
+        field.lengthen(&mut sample, &growth);
+    }
+    Ok(sample)
+}
+
+/// The diagonal of what is shown at rest, metres.
+fn diagonal(rest: &Rest) -> f64 {
+    Bounds::of(&rest.positions).map_or(0.0, |bounds| f64::from(bounds.diagonal()))
 }
 
 struct Work<'a, 'm, M> {
@@ -92,21 +108,19 @@ impl<M: Moments> Work<'_, '_, M> {
         let mut studies = Study::all(&fields, &room, writer.rest, &writer.settings, diagonal(writer.rest));
         let (mut stuck, mut done) = (0, 0);
         let mut look = |time: f64| -> Result<Look, M::Error> {
-            let frame = moments.at(time)?;
-            let sample = writer.sample(done, time, &frame)?;
-            let growth = areas.growth(writer.rest, &frame.moment.positions, frame.positions);
+            let sample = lengthened((writer, areas, &fields), (done, time), &moments.at(time)?)?;
             if times.get(done).is_some_and(|frame| *frame == time) {
                 done += 1;
                 moments.progress(done, 2 * *frames);
             }
             stuck = stuck.max(sample.stuck);
-            Ok(Look::new(sample, &fields, growth))
+            Ok(Look::new(sample, &fields))
         };
         let mut take = |look: &Look| -> Result<(), M::Error> {
             for (node, (study, places)) in studies.iter_mut().zip(&look.places).enumerate() {
                 let (rests, own) =
                     (!writer.moves(node, &look.sample), writer.own_weights(node, &look.sample));
-                let directions = fields[node].directions(&look.sample, &look.growth);
+                let directions = fields[node].directions(&look.sample);
                 study.push(look.sample.time, rests, own, places, directions);
             }
             Ok(())
@@ -163,24 +177,16 @@ impl<M: Moments> Work<'_, '_, M> {
                 let known = self.cached.as_ref().filter(|sample| sample.time == time);
                 let sample = match known {
                     Some(known) => Rc::clone(known),
-                    None => Rc::new(self.pose(fields, time)?),
+                    None => {
+                        let frame = self.moments.at(time)?;
+                        Rc::new(lengthened((&self.writer, &self.areas, fields), (0, time), &frame)?)
+                    }
                 };
                 self.cached = Some(Rc::clone(&sample));
                 one.write_key(&mut self.writer, &sample)?;
             }
         }
         Ok(())
-    }
-
-    /// A key pose: with normals as long as the area round them, so that those between two poses are right, too.
-    fn pose(&mut self, fields: &[Field], time: f64) -> Result<Sample, M::Error> {
-        let frame = self.moments.at(time)?;
-        let mut sample = self.writer.sample(0, time, &frame)?;
-        let growth = self.areas.growth(self.writer.rest, &frame.moment.positions, frame.positions);
-        for field in fields {
-            field.lengthen(&mut sample, &growth);
-        }
-        Ok(sample)
     }
 
     fn finish(self, playing: Vec<Playing>, off: Off, tolerance: f64) -> Result<Baked, BakeError> {

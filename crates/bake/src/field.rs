@@ -65,25 +65,23 @@ impl Field {
         out
     }
 
-    /// What a sample adds to normals and tangents where they have the length of `growth`, by which areas grow round all vertices.
-    pub(crate) fn directions(&self, sample: &Sample, growth: &[f32]) -> Vec<Vector> {
+    /// What a sample adds to normals and tangents.
+    pub(crate) fn directions(&self, sample: &Sample) -> Vec<Vector> {
         let mut out = Vec::with_capacity(self.turns);
         for part in &self.blocks {
             let deltas = sample.blocks.get(part.block);
             let given =
                 deltas.map_or([None, None], |deltas| [&deltas.normals, &deltas.tangents].map(Option::as_ref));
-            let growth = growth.get(part.first..).unwrap_or_default();
             for (base, given) in part.directions.iter().zip(given) {
-                let start = out.len();
-                let own = given.into_iter().flatten().zip(base).zip(growth);
-                out.extend(own.map(|((delta, base), growth)| lengthened(*base, *delta, *growth)));
-                out.resize(start + base.len(), [0.0; 3]);
+                let end = out.len() + base.len();
+                out.extend(given.into_iter().flatten().take(base.len()));
+                out.resize(end, [0.0; 3]);
             }
         }
         out
     }
 
-    /// Gives normals and tangents of a sample the length of `growth`.
+    /// Gives normals and tangents of a sample the length of `growth`, by which areas grow round all vertices.
     pub(crate) fn lengthen(&self, sample: &mut Sample, growth: &[f32]) {
         for part in &self.blocks {
             let Some(deltas) = sample.blocks.get_mut(part.block) else { continue };

@@ -4,7 +4,7 @@ use wirework_asset::{Gltf, MorphTarget, Rest, WeightTrack};
 
 use crate::error::BakeError;
 use crate::settings::Settings;
-use crate::writer::{Baked, Frame, NodeClip, Poses, Writer, plain};
+use crate::writer::{Baked, Frame, NodeClip, Poses, Writer, key_time, plain};
 
 /// Takes frames one after the other.
 #[derive(Debug)]
@@ -38,11 +38,7 @@ impl<'a> Baker<'a> {
     /// The weights of a mesh's own targets, which our track holds beside ours, are those of the moment, linear in between.
     pub fn push(&mut self, time: f64, frame: &Frame<'_>) -> Result<(), BakeError> {
         let index = self.times.len();
-        let seconds = time as f32;
-        if !(seconds.is_finite() && seconds >= 0.0 && self.times.last().is_none_or(|&last| last < seconds)) {
-            let problem = "does not come after the one before it, or before second 0";
-            return Err(BakeError::Frame { frame: index, problem });
-        }
+        let seconds = key_time(index, time, self.times.last().copied())?;
         let sample = self.writer.sample(index, time, frame)?;
         self.writer.stuck = self.writer.stuck.max(sample.stuck);
         let own: Vec<Vec<f32>> =

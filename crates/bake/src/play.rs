@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use wirework_asset::{LocalDeltas, MeshTarget, MorphTarget, Rest, WeightTrack};
+use wirework_asset::{LocalDeltas, MeshTarget, MorphTarget, WeightTrack};
 
 use crate::error::BakeError;
 use crate::field::Field;
@@ -267,15 +267,4 @@ fn mixed(list: &[(f32, Option<&LocalDeltas>)]) -> LocalDeltas {
 pub(crate) fn worst(a: Off, b: Off) -> Off {
     let larger = if b.metres > a.metres { b } else { a };
     Off { radians: a.radians.max(b.radians), all: (a.all.0 + b.all.0, a.all.1 + b.all.1), ..larger }
-}
-
-/// The diagonal of the bounds of what is shown at rest, metres.
-pub(crate) fn diagonal(rest: &Rest) -> f64 {
-    let ends = rest.positions.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
-        [
-            std::array::from_fn(|k| low[k].min(f64::from(p[k]))),
-            std::array::from_fn(|k| high[k].max(f64::from(p[k]))),
-        ]
-    });
-    (0..3).map(|k| (ends[1][k] - ends[0][k]).powi(2)).sum::<f64>().sqrt()
 }

@@ -142,7 +142,7 @@ impl Study {
             (Some(_), None) => false,
             (None, Some(_)) => true,
             (None, None) => {
-                let within = choice.as_ref().zip(subspace.as_ref());
+                let within = choice.as_ref().zip(subspace.as_ref()).filter(|_| room > 0);
                 let within = within.map(|(choice, subspace)| choice.error_with(subspace, room));
                 return Err(self.short(of_keys, of_basis, within));
             }

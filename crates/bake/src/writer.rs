@@ -288,6 +288,15 @@ impl Poses {
     }
 }
 
+/// The time of a key as files keep it, behind that of the one before.
+pub(crate) fn key_time(frame: usize, time: f64, before: Option<f32>) -> Result<f32, BakeError> {
+    let seconds = time as f32;
+    if seconds.is_finite() && seconds >= 0.0 && before.is_none_or(|before| before < seconds) {
+        return Ok(seconds);
+    }
+    Err(BakeError::Frame { frame, problem: "does not come after the one before it, or before second 0" })
+}
+
 /// Asked many at a time: stopping at the first number that is not finite would be slower.
 fn all_finite(values: &[[f32; 3]]) -> bool {
     let finite = |block: &[f32]| block.iter().fold(true, |all, c| all & c.is_finite());

@@ -178,6 +178,6 @@ fn a_second_effect_goes_behind_the_first() {
     let gltf = Gltf::from_slice(&first, "first", &Limits::default()).unwrap();
     let mut baker = Baker::new(gltf, &again, settings);
     let (positions, normals) = bump(&again, 1.0);
-    baker.push(0.0, &frame(&rest, &positions, Some(&normals))).unwrap();
+    baker.push(0.0, &frame(&again, &positions, Some(&normals))).unwrap();
     assert!(matches!(baker.finish(), Err(BakeError::Asset(_))), "a clip holds one weight track a node");
 }

@@ -1,5 +1,6 @@
 //! Seams along whole borders, and along slits of one piece.
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod common;
 
 use common::{Cloth, rim, sewn, stitch, wide};

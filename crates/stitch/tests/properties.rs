@@ -1,5 +1,6 @@
 //! What holds of any seams, on sheets of any shape.
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod common;
 
 use common::{Cloth, gap, on_side, run, stitch, wide};

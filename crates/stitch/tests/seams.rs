@@ -1,5 +1,6 @@
 //! Seams on surfaces, against what they promise.
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod common;
 
 use common::{Cloth, gap, on_side, rim, run, sewn, sewn_at, sheet, stitch, wide};

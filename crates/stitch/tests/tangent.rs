@@ -1,5 +1,6 @@
 //! Tangent planes along seams.
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod common;
 
 use common::{Cloth, on_side, sewn, stitch, wide};

@@ -1,5 +1,6 @@
 //! Seams that become one row of vertices.
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod common;
 
 use std::collections::BTreeMap;

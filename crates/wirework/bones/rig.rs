@@ -71,16 +71,8 @@ pub(super) fn make(
     let mut joints: Vec<(String, Option<usize>, [f32; 3])> =
         if stays { vec![(names[0].clone(), None, [0.0; 3])] } else { Vec::new() };
     joints.extend(names[1..].iter().enumerate().map(joint));
-    let joints: Vec<NewJoint<'_>> = joints
-        .iter()
-        .map(|(name, parent, translation)| NewJoint {
-            name,
-            parent: *parent,
-            translation: *translation,
-            rotation: [0.0, 0.0, 0.0, 1.0],
-            scale: [1.0; 3],
-        })
-        .collect();
+    let joints: Vec<NewJoint<'_>> =
+        joints.iter().map(|(name, parent, at)| NewJoint::at(name, *parent, *at)).collect();
     for (slot, index) in indices.iter_mut().enumerate() {
         // The last of each vertex is the one that stays.
         *index = if slot % EACH == EACH - 1 { 0 } else { *index + first as u16 };

@@ -235,16 +235,8 @@ impl<'a> Hanging<'a> {
             (name.clone(), parent, *place)
         };
         let joints: Vec<_> = names.iter().zip(&places).enumerate().map(joint).collect();
-        let joints: Vec<NewJoint<'_>> = joints
-            .iter()
-            .map(|(name, parent, translation)| NewJoint {
-                name,
-                parent: *parent,
-                translation: *translation,
-                rotation: [0.0, 0.0, 0.0, 1.0],
-                scale: [1.0; 3],
-            })
-            .collect();
+        let joints: Vec<NewJoint<'_>> =
+            joints.iter().map(|(name, parent, at)| NewJoint::at(name, *parent, *at)).collect();
         let each = self.most.clamp(1, MOST_INFLUENCES);
         let (mut indices, mut weights) = (Vec::new(), Vec::new());
         for block in rest.blocks.iter().filter(|block| shown.contains(&block.node)) {

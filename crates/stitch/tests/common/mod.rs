@@ -1,5 +1,4 @@
 //! Pieces put together, sewn, and looked at.
-#![allow(dead_code, reason = "each test uses a part")]
 
 use glam::DVec3;
 use wirework_core::{Binding, Mask, Wire};
