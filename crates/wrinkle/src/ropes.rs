@@ -15,8 +15,11 @@ pub(crate) const LAST: f64 = 600.0;
 /// Nodes of a rope are this part of its length apart at least. What lies between is carried along, and no rope costs more than 256 links.
 const CLOSEST: f64 = 1.0 / 256.0;
 
-/// Simulated ropes. They go on from where they are when the time rises, and begin again when it falls; what they are at a
-/// moment does not depend on what was asked for before.
+/// So many moments that were asked for are remembered, those of the last use: who looks between two frames comes back to both.
+const REMEMBERED: usize = 8;
+
+/// Simulated ropes. They go on from the last moment before the one that is asked for of those they remember, or begin again; what they
+/// are at a moment does not depend on what was asked for before.
 #[derive(Clone, Debug)]
 pub(crate) struct Ropes {
     trees: Vec<Tree>,
@@ -29,6 +32,8 @@ struct Tree {
     ropes: Vec<Hung>,
     /// Steps they have made.
     steps: u64,
+    /// How they were after other numbers of steps, that of the last use at the end.
+    known: Vec<(u64, Vec<Rope>)>,
 }
 
 /// What a rope hangs from where that is another, one of those before it.
@@ -108,7 +113,7 @@ impl Ropes {
                 Some(tree) if hook.is_some() => tree.ropes.push(hung),
                 _ => {
                     root = index;
-                    trees.push(Tree { ropes: vec![hung], steps: 0 });
+                    trees.push(Tree { ropes: vec![hung], steps: 0, known: Vec::new() });
                 }
             }
         }
@@ -137,11 +142,21 @@ impl Tree {
         let exact = seconds * f64::from(RATE);
         let whole = exact.floor();
         // The step after, so that the moment lies between two.
-        let wanted = forces.settle + whole as u64 + 1;
-        if wanted < self.steps {
-            self.ropes.iter_mut().for_each(|hung| hung.rope.restart());
-            self.steps = 0;
-        }
+        self.walk(forces.settle + whole as u64 + 1, forces);
+        self.each(|hung, before| {
+            let top = hung.top.at(seconds, |rope, point| before[rope].carry(&before[rope].nodes, point));
+            hung.rope.between(exact - whole, top, &mut hung.nodes);
+            let mut moved = std::mem::take(&mut hung.moved);
+            moved.clear();
+            moved.extend((0..hung.carried.len()).map(|point| hung.carry(&hung.nodes, point)));
+            hung.moved = moved;
+        });
+    }
+
+    /// Goes to where so many steps have been made, and says how many it has made on the way.
+    fn walk(&mut self, wanted: u64, forces: &Forces) -> u64 {
+        self.recall(wanted);
+        let first = self.steps;
         while self.steps < wanted {
             self.steps += 1;
             let now = (self.steps as f64 - forces.settle as f64) / f64::from(RATE);
@@ -151,14 +166,32 @@ impl Tree {
                 hung.rope.step(top, acceleration, forces.damping);
             });
         }
-        self.each(|hung, before| {
-            let top = hung.top.at(seconds, |rope, point| before[rope].carry(&before[rope].nodes, point));
-            hung.rope.between(exact - whole, top, &mut hung.nodes);
-            let mut moved = std::mem::take(&mut hung.moved);
-            moved.clear();
-            moved.extend((0..hung.carried.len()).map(|point| hung.carry(&hung.nodes, point)));
-            hung.moved = moved;
-        });
+        if self.known.last().is_none_or(|(steps, _)| *steps != wanted) {
+            self.known.push((wanted, self.ropes.iter().map(|hung| hung.rope.clone()).collect()));
+            let over = self.known.len().saturating_sub(REMEMBERED);
+            self.known.drain(..over);
+        }
+        self.steps - first
+    }
+
+    /// Goes to the last known number of steps up to `wanted`, or to none.
+    fn recall(&mut self, wanted: u64) {
+        let before = self.known.iter().enumerate().filter(|(_, (steps, _))| *steps <= wanted);
+        let best = before.max_by_key(|(_, (steps, _))| *steps).map(|(index, (steps, _))| (index, *steps));
+        match best {
+            Some((_, steps)) if steps <= self.steps && self.steps <= wanted => {}
+            Some((index, steps)) => {
+                let known = self.known.remove(index);
+                self.ropes.iter_mut().zip(&known.1).for_each(|(hung, rope)| hung.rope.clone_from(rope));
+                self.known.push(known);
+                self.steps = steps;
+            }
+            None if self.steps <= wanted => {}
+            None => {
+                self.ropes.iter_mut().for_each(|hung| hung.rope.restart());
+                self.steps = 0;
+            }
+        }
     }
 
     /// Each rope after those it hangs from, which are given with it.

@@ -205,6 +205,31 @@ fn no_time_takes_for_ever() {
 }
 
 #[test]
+fn a_look_between_two_frames_costs_the_steps_between_them() {
+    let mut bent = lines(1);
+    bent[0].iter_mut().enumerate().for_each(|(i, p)| p.z += 0.02 * (i as f64).sin());
+    let Ropes { mut trees, forces } = Ropes::new(&bent, &[], &windy(), 1);
+    let walked = |tree: &mut Tree, steps: u64| {
+        let made = tree.walk(steps, &forces);
+        let mut other = Ropes::new(&bent, &[], &windy(), 1).trees.remove(0);
+        other.walk(steps, &forces);
+        assert_eq!(tree.ropes[0].rope.nodes, other.ropes[0].rope.nodes, "after {steps}");
+        made
+    };
+    let tree = &mut trees[0];
+    // Frames, and between them what is asked for late: as a baker does that looks closer.
+    for (steps, made) in [(20, 20), (40, 20), (60, 20), (30, 10), (25, 5), (35, 5), (80, 20), (50, 10), (90, 10)] {
+        assert_eq!(walked(tree, steps), made, "to {steps}");
+    }
+    // Few are remembered.
+    for step in 91..110 {
+        walked(tree, step);
+    }
+    assert_eq!(tree.known.len(), REMEMBERED);
+    assert_eq!(walked(tree, 40), 40);
+}
+
+#[test]
 fn ropes_that_hang_from_ropes_stay_on_them() {
     let stem = lines(1).remove(0);
     let (a, b) = (stem[12], stem[13]);
