@@ -9,6 +9,7 @@ use crate::field::Field;
 use crate::principal::{Basis, Shape};
 use crate::study::{Plan, Study};
 use crate::track::thinned;
+use crate::vectors::vectorized;
 use crate::writer::{Frame, NodeClip, Poses, Sample, Writer, plain};
 
 /// The part of the tolerance that weights may be off for having fewer keys.
@@ -252,9 +253,8 @@ fn mixed(list: &[(f32, Option<&LocalDeltas>)]) -> LocalDeltas {
         for (weight, deltas) in list {
             let Some(own) = deltas.and_then(pick).filter(|_| *weight != 0.0) else { continue };
             out.resize(own.len(), [0.0; 3]);
-            for (out, own) in out.as_flattened_mut().iter_mut().zip(own.as_flattened()) {
-                *out += weight * own;
-            }
+            let (out, own) = (out.as_flattened_mut(), own.as_flattened());
+            vectorized(|| out.iter_mut().zip(own).for_each(|(sum, x)| *sum += weight * x));
         }
         out
     };

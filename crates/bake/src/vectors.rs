@@ -17,6 +17,12 @@ const LANES: usize = 16;
 /// Sums of so many products in float32 go on in float64.
 const SHORT: usize = 64;
 
+/// Works with the widest vectors that the processor has. Numbers come out equal with any: sums have an order, and nothing fuses.
+#[inline(always)]
+pub(crate) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
+    pulp::Arch::new().dispatch(work)
+}
+
 /// The scalar products of each of `lists` with each of `basis`, in float64, of products in float32.
 pub(crate) fn products(basis: &[Vec<Vector>], lists: &[Vec<Vector>]) -> Vec<Vec<f64>> {
     let count = lists.first().map_or(0, Vec::len);
@@ -25,7 +31,7 @@ pub(crate) fn products(basis: &[Vec<Vector>], lists: &[Vec<Vector>]) -> Vec<Vec<
         for range in slices(start, count) {
             for (k, shape) in basis.iter().enumerate() {
                 for (list, sums) in lists.iter().zip(&mut sums) {
-                    sums[k] += product(&shape[range.clone()], &list[range.clone()]);
+                    sums[k] += vectorized(|| product(&shape[range.clone()], &list[range.clone()]));
                 }
             }
         }
@@ -49,6 +55,7 @@ fn slices(start: usize, count: usize) -> impl Iterator<Item = std::ops::Range<us
     (start..end).step_by(SLICE).map(move |first| first..(first + SLICE).min(end))
 }
 
+#[inline(always)]
 fn product(a: &[Vector], b: &[Vector]) -> f64 {
     let ((a, a_rest), (b, b_rest)) =
         (a.as_flattened().as_chunks::<LANES>(), b.as_flattened().as_chunks::<LANES>());
@@ -85,7 +92,9 @@ pub(crate) fn subtract(lists: &mut [Vec<Vector>], basis: &[Vec<Vector>], factors
                 let shape = shape[range.clone()].as_flattened();
                 for (left, factors) in left.iter_mut().zip(factors) {
                     let factor = factors[k];
-                    left.iter_mut().zip(shape).for_each(|(left, x)| *left -= factor * f64::from(*x));
+                    vectorized(|| {
+                        left.iter_mut().zip(shape).for_each(|(left, x)| *left -= factor * f64::from(*x));
+                    });
                 }
             }
             for ((part, left), most) in parts.iter_mut().zip(left).zip(&mut longest_left) {
@@ -109,7 +118,8 @@ pub(crate) fn add(sums: &mut [Vec<Vector>], lists: &[Vec<Vector>], factors: &[Ve
             let range = slice * SLICE..slice * SLICE + part.len();
             for (factor, list) in &own {
                 let list = list[range.clone()].as_flattened();
-                part.as_flattened_mut().iter_mut().zip(list).for_each(|(sum, x)| *sum += factor * x);
+                let part = part.as_flattened_mut();
+                vectorized(|| part.iter_mut().zip(list).for_each(|(sum, x)| *sum += factor * x));
             }
         }
     });
@@ -123,7 +133,7 @@ pub(crate) fn combined(list: &[Vec<Vector>], factors: &[f64], count: usize) -> V
         let mut sum = vec![0.0_f64; 3 * out.len()];
         for (part, factor) in list.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
             let part = part.get(range.clone()).unwrap_or_default().as_flattened();
-            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += factor * f64::from(*part));
+            vectorized(|| sum.iter_mut().zip(part).for_each(|(sum, x)| *sum += factor * f64::from(*x)));
         }
         out.as_flattened_mut().iter_mut().zip(&sum).for_each(|(out, sum)| *out = *sum as f32);
     };
@@ -145,7 +155,7 @@ pub(crate) fn bulge(a: &[Vector], b: &[Vector], c: &[Vector], f: f64) -> f64 {
             let part = |k: usize| (b[k] - a[k]) - f * (c[k] - a[k]);
             part(0) * part(0) + part(1) * part(1) + part(2) * part(2)
         };
-        a.iter().zip(b).zip(c).map(off).fold(0.0, |a, b| if b > a { b } else { a })
+        vectorized(|| a.iter().zip(b).zip(c).map(off).fold(0.0, |a, b| if b > a { b } else { a }))
     };
     let pieces = a.par_chunks(PIECE).zip(b.par_chunks(PIECE)).zip(c.par_chunks(PIECE));
     f64::from(pieces.map(piece).reduce(|| 0.0, f32::max)).sqrt()

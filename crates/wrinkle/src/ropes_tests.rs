@@ -218,7 +218,9 @@ fn a_look_between_two_frames_costs_the_steps_between_them() {
     };
     let tree = &mut trees[0];
     // Frames, and between them what is asked for late: as a baker does that looks closer.
-    for (steps, made) in [(20, 20), (40, 20), (60, 20), (30, 10), (25, 5), (35, 5), (80, 20), (50, 10), (90, 10)] {
+    for (steps, made) in
+        [(20, 20), (40, 20), (60, 20), (30, 10), (25, 5), (35, 5), (80, 20), (50, 10), (90, 10)]
+    {
         assert_eq!(walked(tree, steps), made, "to {steps}");
     }
     // Few are remembered.
