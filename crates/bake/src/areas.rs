@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
+use rayon::prelude::*;
 use wirework_asset::Rest;
 
 /// Areas are not taken for more, or less, than so many times those at rest: normals of what collapses would have no length.
@@ -40,8 +41,9 @@ impl Areas {
     /// where there is none.
     pub(crate) fn growth(&self, rest: &Rest, before: &[[f32; 3]], now: &[[f32; 3]]) -> Vec<f32> {
         let mut sums = vec![[0.0_f64; 2]; self.groups];
-        for triangle in &rest.triangles {
-            let areas = [before, now].map(|list| area(triangle.map(|v| list[v as usize])));
+        let areas = |triangle: &[u32; 3]| [before, now].map(|list| area(triangle.map(|v| list[v as usize])));
+        let areas: Vec<[f64; 2]> = rest.triangles.par_iter().map(areas).collect();
+        for (triangle, areas) in rest.triangles.iter().zip(areas) {
             for v in triangle {
                 let sum = &mut sums[self.group_of[*v as usize] as usize];
                 *sum = [sum[0] + areas[0], sum[1] + areas[1]];

@@ -175,12 +175,11 @@ impl<M: Moments> Work<'_, '_, M> {
         for one in playing {
             while let Some(time) = one.wanted(seconds) {
                 let known = self.cached.as_ref().filter(|sample| sample.time == time);
-                let sample = match known {
-                    Some(known) => Rc::clone(known),
-                    None => {
-                        let frame = self.moments.at(time)?;
-                        Rc::new(lengthened((&self.writer, &self.areas, fields), (0, time), &frame)?)
-                    }
+                let sample = if let Some(known) = known {
+                    Rc::clone(known)
+                } else {
+                    let frame = self.moments.at(time)?;
+                    Rc::new(lengthened((&self.writer, &self.areas, fields), (0, time), &frame)?)
                 };
                 self.cached = Some(Rc::clone(&sample));
                 one.write_key(&mut self.writer, &sample)?;

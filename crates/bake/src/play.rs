@@ -9,7 +9,7 @@ use crate::field::Field;
 use crate::principal::{Basis, Shape};
 use crate::study::{Plan, Study};
 use crate::track::thinned;
-use crate::vectors::vectorized;
+use crate::vectors::add_scaled;
 use crate::writer::{Frame, NodeClip, Poses, Sample, Writer, plain};
 
 /// The part of the tolerance that weights may be off for having fewer keys.
@@ -253,8 +253,7 @@ fn mixed(list: &[(f32, Option<&LocalDeltas>)]) -> LocalDeltas {
         for (weight, deltas) in list {
             let Some(own) = deltas.and_then(pick).filter(|_| *weight != 0.0) else { continue };
             out.resize(own.len(), [0.0; 3]);
-            let (out, own) = (out.as_flattened_mut(), own.as_flattened());
-            vectorized(|| out.iter_mut().zip(own).for_each(|(sum, x)| *sum += weight * x));
+            add_scaled(out.as_flattened_mut(), *weight, own.as_flattened());
         }
         out
     };

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector, DVectorView, SymmetricEigen};
 use rayon::prelude::*;
 
 use crate::subspace::Subspace;
-use crate::vectors::{Vector, combined, longest, vectorized};
+use crate::vectors::{Vector, add_wide, combined, longest, vectorized};
 
 /// So many vertices are compared by one thread at a time: all shapes of them stay in its cache.
 const PIECE: usize = 1 << 9;
@@ -255,7 +255,7 @@ fn errors(shapes: &[Vec<Vector>], axes: &DMatrix<f64>, along: &DMatrix<f64>, eno
                 list.fill([0.0; LANES]);
             }
             for axis in (first..count).rev() {
-                let far = vectorized(|| added(&mut left, pose[axis], &shapes[axis]));
+                let far = added(&mut left, pose[axis], &shapes[axis]);
                 most[axis] = most[axis].max(far);
                 if most[axis] > enough {
                     first = axis;
@@ -276,8 +276,15 @@ fn errors(shapes: &[Vec<Vector>], axes: &DMatrix<f64>, along: &DMatrix<f64>, eno
 type Lanes = Vec<[f32; LANES]>;
 
 /// Adds `c` times a shape. Gives the square of the longest of what comes out.
+fn added(left: &mut [Lanes; 3], c: f32, shape: &[Lanes; 3]) -> f32 {
+    vectorized(
+        #[inline(always)]
+        || added_in_lanes(left, c, shape),
+    )
+}
+
 #[inline(always)]
-fn added([x, y, z]: &mut [Lanes; 3], c: f32, [sx, sy, sz]: &[Lanes; 3]) -> f32 {
+fn added_in_lanes([x, y, z]: &mut [Lanes; 3], c: f32, [sx, sy, sz]: &[Lanes; 3]) -> f32 {
     let mut far = [0.0_f32; LANES];
     for (((x, y), z), ((sx, sy), sz)) in x.iter_mut().zip(y).zip(z).zip(sx.iter().zip(sy).zip(sz)) {
         for lane in 0..LANES {
@@ -297,8 +304,7 @@ fn turned(shapes: &[Vec<Vector>], axes: &DMatrix<f64>, range: std::ops::Range<us
         let mut sum = vec![[0.0_f64; 3]; range.len()];
         for (shape, factor) in shapes.iter().zip(factors.iter()) {
             let own = shape.get(range.clone()).unwrap_or_default().as_flattened();
-            let sum = sum.as_flattened_mut();
-            vectorized(|| sum.iter_mut().zip(own).for_each(|(sum, x)| *sum += factor * f64::from(*x)));
+            add_wide(sum.as_flattened_mut(), *factor, own);
         }
         [0, 1, 2].map(|k| {
             let lanes =

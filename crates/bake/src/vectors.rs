@@ -31,7 +31,7 @@ pub(crate) fn products(basis: &[Vec<Vector>], lists: &[Vec<Vector>]) -> Vec<Vec<
         for range in slices(start, count) {
             for (k, shape) in basis.iter().enumerate() {
                 for (list, sums) in lists.iter().zip(&mut sums) {
-                    sums[k] += vectorized(|| product(&shape[range.clone()], &list[range.clone()]));
+                    sums[k] += product(&shape[range.clone()], &list[range.clone()]);
                 }
             }
         }
@@ -55,8 +55,15 @@ fn slices(start: usize, count: usize) -> impl Iterator<Item = std::ops::Range<us
     (start..end).step_by(SLICE).map(move |first| first..(first + SLICE).min(end))
 }
 
-#[inline(always)]
 fn product(a: &[Vector], b: &[Vector]) -> f64 {
+    vectorized(
+        #[inline(always)]
+        || product_in_lanes(a, b),
+    )
+}
+
+#[inline(always)]
+fn product_in_lanes(a: &[Vector], b: &[Vector]) -> f64 {
     let ((a, a_rest), (b, b_rest)) =
         (a.as_flattened().as_chunks::<LANES>(), b.as_flattened().as_chunks::<LANES>());
     let mut sum = 0.0;
@@ -70,6 +77,16 @@ fn product(a: &[Vector], b: &[Vector]) -> f64 {
         sum += lanes.iter().map(|lane| f64::from(*lane)).sum::<f64>();
     }
     sum + a_rest.iter().zip(b_rest).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>()
+}
+
+/// Adds `factor` times `list` to `sum`.
+pub(crate) fn add_scaled(sum: &mut [f32], factor: f32, list: &[f32]) {
+    vectorized(|| sum.iter_mut().zip(list).for_each(|(sum, x)| *sum += factor * x));
+}
+
+/// The same in float64.
+pub(crate) fn add_wide(sum: &mut [f64], factor: f64, list: &[f32]) {
+    vectorized(|| sum.iter_mut().zip(list).for_each(|(sum, x)| *sum += factor * f64::from(*x)));
 }
 
 /// Takes from each of `lists` the parts along `basis` that its factors say. Gives for each the length of the longest vector that is left.
@@ -91,10 +108,7 @@ pub(crate) fn subtract(lists: &mut [Vec<Vector>], basis: &[Vec<Vector>], factors
             for (k, shape) in basis.iter().enumerate() {
                 let shape = shape[range.clone()].as_flattened();
                 for (left, factors) in left.iter_mut().zip(factors) {
-                    let factor = factors[k];
-                    vectorized(|| {
-                        left.iter_mut().zip(shape).for_each(|(left, x)| *left -= factor * f64::from(*x));
-                    });
+                    add_wide(left, -factors[k], shape);
                 }
             }
             for ((part, left), most) in parts.iter_mut().zip(left).zip(&mut longest_left) {
@@ -118,8 +132,7 @@ pub(crate) fn add(sums: &mut [Vec<Vector>], lists: &[Vec<Vector>], factors: &[Ve
             let range = slice * SLICE..slice * SLICE + part.len();
             for (factor, list) in &own {
                 let list = list[range.clone()].as_flattened();
-                let part = part.as_flattened_mut();
-                vectorized(|| part.iter_mut().zip(list).for_each(|(sum, x)| *sum += factor * x));
+                add_scaled(part.as_flattened_mut(), *factor, list);
             }
         }
     });
@@ -133,7 +146,7 @@ pub(crate) fn combined(list: &[Vec<Vector>], factors: &[f64], count: usize) -> V
         let mut sum = vec![0.0_f64; 3 * out.len()];
         for (part, factor) in list.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
             let part = part.get(range.clone()).unwrap_or_default().as_flattened();
-            vectorized(|| sum.iter_mut().zip(part).for_each(|(sum, x)| *sum += factor * f64::from(*x)));
+            add_wide(&mut sum, *factor, part);
         }
         out.as_flattened_mut().iter_mut().zip(&sum).for_each(|(out, sum)| *out = *sum as f32);
     };
@@ -155,7 +168,7 @@ pub(crate) fn bulge(a: &[Vector], b: &[Vector], c: &[Vector], f: f64) -> f64 {
             let part = |k: usize| (b[k] - a[k]) - f * (c[k] - a[k]);
             part(0) * part(0) + part(1) * part(1) + part(2) * part(2)
         };
-        vectorized(|| a.iter().zip(b).zip(c).map(off).fold(0.0, |a, b| if b > a { b } else { a }))
+        a.iter().zip(b).zip(c).map(off).fold(0.0, |a, b| if b > a { b } else { a })
     };
     let pieces = a.par_chunks(PIECE).zip(b.par_chunks(PIECE)).zip(c.par_chunks(PIECE));
     f64::from(pieces.map(piece).reduce(|| 0.0, f32::max)).sqrt()
