@@ -20,12 +20,29 @@ fn presets() -> Vec<PathBuf> {
     found
 }
 
+/// How many targets the table of the presets says that a preset takes.
+fn told_of(table: &str, preset: &str) -> u64 {
+    let (_, place) = preset.rsplit_once("presets/").unwrap();
+    let row = table.lines().find(|line| line.starts_with('|') && line.contains(&format!("]({place})")));
+    let cells: Vec<&str> = row.unwrap_or_else(|| panic!("{place} has no row")).split('|').collect();
+    cells[2].split_whitespace().next().unwrap().parse().unwrap()
+}
+
 #[test]
-fn every_preset_runs_as_it_stands() {
+fn every_preset_runs_as_it_stands_and_bakes_as_its_table_says() {
     let place = Place::new();
+    let table = include_str!("../../presets/README.md");
     for preset in presets() {
         let preset = preset.to_str().unwrap();
-        let done = place.run_with(["apply", preset, "-o", "out.glb", "--strict"], b"").expect(0);
+        let args = ["apply", preset, "-o", "out.glb", "--strict", "--report", "report.json"];
+        let done = place.run_with(args, b"").expect(0);
+        let report: Value = serde_json::from_slice(&place.read("report.json")).unwrap();
+        let off = report["bake"]["error_of_diagonal"].as_f64().unwrap();
+        assert!(off <= 1e-4, "{preset}: {off} of the diagonal off");
+        let nodes = report["bake"]["nodes"].as_array().unwrap().iter();
+        let most = nodes.map(|node| node["targets"].as_u64().unwrap()).max().unwrap();
+        let told = told_of(table, preset);
+        assert!(most.abs_diff(told) <= told / 20, "{preset}: {most} targets, its table says {told}");
         assert!(!done.err().contains("warning"), "{}", done.err());
         let document = gltf::Gltf::from_slice(&place.read("out.glb")).unwrap();
         let clip = document.animations().next().unwrap_or_else(|| panic!("{preset}: a clip"));
