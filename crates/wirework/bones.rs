@@ -19,7 +19,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::{DMat3, DQuat, DVec3};
-use wirework_asset::{Clip, Format, Gltf, Rest};
+use wirework_asset::{Clip, Format, Gltf, Rest, printable};
 use wirework_bake::{Bone, BoneBaker, World};
 use wirework_core::{Station, Wire};
 use wirework_ik::BoneFrame;
@@ -40,6 +40,8 @@ struct Rigged {
     joints: Vec<Joint>,
     /// How many were made for it.
     made: usize,
+    /// Nodes that showed a mesh, and those that show it since it hangs on joints.
+    shown: Vec<(usize, usize)>,
 }
 
 /// A joint that a limb takes along.
@@ -66,6 +68,8 @@ enum By {
 struct Animated {
     gltf: Gltf,
     rest: Rest,
+    /// Nodes that showed a mesh, and those that show it since it hangs on joints.
+    shown: Vec<(usize, usize)>,
     baker: BoneBaker,
     /// What is known of the skeleton so far.
     skeleton: Skeleton,
@@ -85,17 +89,19 @@ impl Film<'_> {
         let (known, clips) = (gltf.warnings().len(), gltf.clip_names().len());
         let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
         let start = Instant::now();
+        let still = rest.clone();
         let animated = if self.motion.evaluation.lone_limb().is_some() {
             self.limb(job, gltf, rest, &point_of)
         } else {
             self.wires(job, gltf, &rest, &point_of)
         };
-        let Animated { mut gltf, rest, baker, mut skeleton, mut warnings } = animated?;
+        let Animated { mut gltf, rest, shown, baker, mut skeleton, mut warnings } = animated?;
         let posed = self.motion.evaluation.is_posed();
         let index = baker.finish(&mut gltf, clip, under.filter(|_| posed))?;
         self.write += start.elapsed();
-        self.compare((&gltf, &rest), index, &point_of, &mut skeleton)?;
-        let file = wirework_asset::printable(gltf.file());
+        let from = vertices_from(&still, &rest, &shown);
+        self.compare((&gltf, &rest), index, (&still, &point_of, &from), &mut skeleton)?;
+        let file = printable(gltf.file());
         warnings.extend(gltf.warnings().iter().skip(known).map(|warning| format!("{file}: {warning}")));
         let clip = new_clip(&gltf, clips, under.filter(|_| posed));
         let engines = Some(crate::engines(&gltf));
@@ -114,7 +120,7 @@ impl Film<'_> {
         point_of: &[u32],
     ) -> Result<Animated, JobError> {
         let Some((reach, _, factors)) = self.motion.evaluation.lone_limb() else { return Err(not_alone()) };
-        let Rigged { gltf, rest, joints, made } = if reach.nodes().is_empty() {
+        let Rigged { gltf, rest, joints, made, shown } = if reach.nodes().is_empty() {
             rig::make(gltf, &rest, reach.rest(), (factors, point_of), job.joints)?
         } else {
             rig::split(gltf, rest, reach, job.joints)?
@@ -134,19 +140,19 @@ impl Film<'_> {
         }
         drop(still);
         let skeleton = Skeleton { joints: joints.len(), made, ..Skeleton::default() };
-        Ok(Animated { gltf, rest, baker, skeleton, warnings: Vec::new() })
+        Ok(Animated { gltf, rest, shown, baker, skeleton, warnings: Vec::new() })
     }
 
-    /// How far what an engine plays is from the effect itself.
+    /// How far what an engine plays is from the effect itself, which moves the vertices of `still`; `from` says which of them each one is.
     fn compare(
         &mut self,
         (gltf, rest): (&Gltf, &Rest),
         clip: Option<usize>,
-        point_of: &[u32],
+        (still, point_of, from): (&Rest, &[u32], &[usize]),
         out: &mut Skeleton,
     ) -> Result<(), JobError> {
         let mut player = gltf.player(rest, clip)?;
-        let mut vertices = Vertices::of_scene(rest, point_of.to_vec())?;
+        let mut vertices = Vertices::of_scene(still, point_of.to_vec())?;
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
         let frames = self.schedule.count();
         for (done, (_, seconds)) in self.schedule.moments().enumerate() {
@@ -158,13 +164,14 @@ impl Film<'_> {
             vertices.place(self.motion.before(), &self.motion.now);
             vertices.shade(self.motion.evaluation.joints())?;
             player.pose_into(seconds, None, &mut positions, &mut normals)?;
-            let off = positions.iter().zip(&vertices.positions).map(|(a, b)| double(a).distance(double(b)));
+            let off =
+                positions.iter().zip(from).map(|(a, v)| double(a).distance(double(&vertices.positions[*v])));
             let most = off.fold(0.0, f64::max);
             if most > out.residual {
                 (out.residual, out.seconds) = (most, seconds);
             }
-            let turned = vertices.normals().into_iter().flat_map(|own| own.iter().zip(&normals));
-            let turned = turned.map(|(a, b)| double(a).angle_between(double(b)).to_degrees());
+            let own = vertices.normals().into_iter().flat_map(|own| from.iter().map(|v| &own[*v]));
+            let turned = own.zip(&normals).map(|(a, b)| double(a).angle_between(double(b)).to_degrees());
             // Vertices without a normal turn by no number.
             out.normals_degrees = turned.filter(|turn| turn.is_finite()).fold(out.normals_degrees, f64::max);
             (self.progress)(Progress { done: done + 1, frames });
@@ -176,8 +183,39 @@ impl Film<'_> {
     }
 }
 
+/// For each vertex of a scene as it is `now` the one that it was, where these nodes show what others have shown.
+fn vertices_from(before: &Rest, now: &Rest, shown: &[(usize, usize)]) -> Vec<usize> {
+    let mut left: Vec<(usize, usize)> =
+        before.blocks.iter().map(|block| (block.node, block.first)).rev().collect();
+    let mut out = Vec::with_capacity(now.positions.len());
+    for block in &now.blocks {
+        let node = shown.iter().find(|(_, new)| *new == block.node).map_or(block.node, |(old, _)| *old);
+        let place = left.iter().rposition(|(own, _)| *own == node);
+        let first = place.map_or(block.first, |place| left.remove(place).1);
+        out.extend(first..first + block.count);
+    }
+    out
+}
+
 fn double(p: &[f32; 3]) -> DVec3 {
     DVec3::from_array(p.map(f64::from))
+}
+
+fn refused(why: &str) -> JobError {
+    JobError::Request(format!("`--bake skin`: {why}; `--bake auto` takes it"))
+}
+
+/// Refuses what is to hang on new joints where a clip of the input moves it.
+fn check_unmoved(gltf: &Gltf, nodes: &[usize]) -> Result<(), JobError> {
+    for &node in nodes {
+        let Some(clip) = gltf.clip_that_moves(node) else { continue };
+        let called =
+            gltf.node_name(node).map_or_else(String::new, |name| format!(" \"{}\"", printable(name)));
+        return Err(refused(&format!(
+            "clip {clip} of the input moves node {node}{called}, and a mesh that hangs on joints does not follow its node"
+        )));
+    }
+    Ok(())
 }
 
 fn not_alone() -> JobError {

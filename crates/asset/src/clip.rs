@@ -241,7 +241,7 @@ fn sampler_of(channel: &Value) -> Option<usize> {
 }
 
 /// The node and the property that a channel moves, by the standard's own target or by `KHR_animation_pointer`.
-fn target_of(channel: &Value) -> Option<(usize, &str)> {
+pub(crate) fn target_of(channel: &Value) -> Option<(usize, &str)> {
     let target = channel.get("target")?;
     if let Some(pointer) = target.pointer("/extensions/KHR_animation_pointer/pointer") {
         let (node, path) = pointer.as_str()?.strip_prefix("/nodes/")?.split_once('/')?;

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::document::Gltf;
 use crate::edit::{VERTICES, drop_compressed, whole};
 use crate::error::AssetError;
-use crate::graph::{Graph, columns, unit, walk};
+use crate::graph::{columns, unit};
 use crate::hang::{Hanging, Vertices};
 use crate::limits::Budget;
 use crate::rest::{Part, Rest};
@@ -50,6 +50,15 @@ pub struct NewSkin<'a> {
     pub weights: &'a [f32],
 }
 
+/// What hangs on a new skeleton.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hung {
+    /// The nodes of the joints, in their order.
+    pub joints: Vec<usize>,
+    /// Each node whose mesh hangs on them, and the one that shows it now.
+    pub shown: Vec<(usize, usize)>,
+}
+
 /// The joints of a skeleton in the world, and their nodes.
 struct Bones {
     nodes: Vec<usize>,
@@ -63,12 +72,13 @@ fn fault<T>(found: impl Into<String>, expected: impl Into<String>) -> Result<T, 
 }
 
 impl Gltf {
-    /// Has what `nodes` show hang on a new skeleton, so that at rest every vertex stays where it is, and gives the nodes of its joints.
+    /// Has what `nodes` show hang on a new skeleton, so that at rest every vertex stays where it is.
     ///
     /// `rest` is the rest of this document; the vertices of the skin are those of its blocks that `nodes` show, in their order.
-    /// Joints are appended to the nodes, and to each scene that shows one of `nodes`. These stay where they are in the
-    /// tree, though from now on only the joints say where their meshes are, whatever moves the nodes; a mesh that other nodes show
-    /// too is copied. Vertices on more than four joints get a second set of joints and weights, and so on, the largest
+    /// Joints are appended to the nodes, and to each scene that shows one of `nodes`. From now on only the joints say where
+    /// their meshes are, whatever moves the nodes, so a mesh is shown by a root without a transform: by its node, which leaves its parent,
+    /// or by a new one where that carries more than a mesh. Blocks of the rest may come in another order then. A mesh that other nodes
+    /// show too is copied. Vertices on more than four joints get a second set of joints and weights, and so on, the largest
     /// weights first. The rest of the document has to be read anew.
     ///
     /// # Errors
@@ -76,21 +86,11 @@ impl Gltf {
     /// Nodes that show nothing of `rest`, or have a skin; a parent that does not come before its joint, joints without an inverse,
     /// numbers that are not finite; lists of another length than vertices × [`NewSkin::each`], indices of no joint, a vertex
     /// without weight. Nothing is changed then.
-    pub fn add_skin(
-        &mut self,
-        rest: &Rest,
-        nodes: &[usize],
-        skin: &NewSkin<'_>,
-    ) -> Result<Vec<usize>, AssetError> {
+    pub fn add_skin(&mut self, rest: &Rest, nodes: &[usize], skin: &NewSkin<'_>) -> Result<Hung, AssetError> {
         self.append_skin(rest, nodes, skin).map_err(|error| error.in_file(&self.file))
     }
 
-    fn append_skin(
-        &mut self,
-        rest: &Rest,
-        nodes: &[usize],
-        skin: &NewSkin<'_>,
-    ) -> Result<Vec<usize>, AssetError> {
+    fn append_skin(&mut self, rest: &Rest, nodes: &[usize], skin: &NewSkin<'_>) -> Result<Hung, AssetError> {
         let nodes: BTreeSet<usize> = nodes.iter().copied().collect();
         let graph = self.graph(&mut Budget::new(&self.limits), &mut Vec::new())?;
         for &node in &nodes {
@@ -107,9 +107,11 @@ impl Gltf {
         let vertices: usize = rest.blocks.iter().filter(|b| nodes.contains(&b.node)).map(|b| b.count).sum();
         let hanging = Hanging::read(skin, vertices)?;
         let bones = self.append_bones(skin, world)?;
+        // Joints must be in the scene of what hangs on them.
         self.show_in_scenes(&graph, &nodes, bones.root)?;
         self.hang(rest, &nodes, &hanging)?;
         let mut skins: Vec<(DAffine3, usize)> = Vec::new();
+        let mut shown = Vec::with_capacity(nodes.len());
         for &node in &nodes {
             let own = graph.world[node];
             let index = match skins.iter().find(|(known, _)| *known == own) {
@@ -117,9 +119,11 @@ impl Gltf {
                 None => self.append_binding(skin.name, &bones, &own)?,
             };
             skins.push((own, index));
-            self.entry_mut("nodes", node)?.insert("skin".to_owned(), json!(index));
+            let root = self.root_mesh(&graph, node)?;
+            self.entry_mut("nodes", root)?.insert("skin".to_owned(), json!(index));
+            shown.push((node, root));
         }
-        Ok(bones.nodes)
+        Ok(Hung { joints: bones.nodes, shown })
     }
 
     /// Appends the nodes of the joints, and one above them where several hang on nothing.
@@ -137,27 +141,6 @@ impl Gltf {
             roots => self.append("nodes", json!({ "name": skin.name, "children": roots }))?,
         };
         Ok(Bones { nodes: (first..first + skin.joints.len()).collect(), world, root })
-    }
-
-    /// Adds a root to the scenes that show one of `nodes`: joints must be in the scene of what hangs on them.
-    fn show_in_scenes(
-        &mut self,
-        graph: &Graph,
-        nodes: &BTreeSet<usize>,
-        root: usize,
-    ) -> Result<(), AssetError> {
-        for scene in 0..self.list("scenes").len() {
-            let listed = self.list("scenes")[scene].get("nodes").and_then(Value::as_array);
-            let starts = listed.into_iter().flatten().filter_map(whole);
-            let starts: Vec<usize> = starts.filter(|&node| node < graph.nodes.len()).collect();
-            if walk(&graph.nodes, &starts).iter().any(|node| nodes.contains(node))
-                && let Some(list) = self.entry_mut("scenes", scene)?.get_mut("nodes")
-                && let Some(list) = list.as_array_mut()
-            {
-                list.push(json!(root));
-            }
-        }
-        Ok(())
     }
 
     /// Gives the primitives that `nodes` show their joints and weights.

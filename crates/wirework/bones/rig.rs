@@ -6,7 +6,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
-use wirework_asset::{Gltf, Knot, NewJoint, NewSkin, Rest, Split};
+use wirework_asset::{Gltf, Hung, Knot, NewJoint, NewSkin, Rest, Split};
 use wirework_bake::World;
 use wirework_core::{Curve, Foot};
 use wirework_ik::{Influence, Limb};
@@ -34,6 +34,7 @@ pub(super) fn make(
 ) -> Result<Rigged, JobError> {
     let mut shown: Vec<usize> = rest.blocks.iter().map(|block| block.node).collect();
     shown.dedup();
+    super::check_unmoved(&gltf, &shown)?;
     let bones = limb.joints().count().saturating_sub(1);
     if bones.saturating_mul(between + 1) > MOST_MADE {
         let message = format!(
@@ -78,7 +79,7 @@ pub(super) fn make(
         *index = if slot % EACH == EACH - 1 { 0 } else { *index + first as u16 };
     }
     let skin = NewSkin { name: "limb", joints: &joints, each: EACH, indices: &indices, weights: &weights };
-    let nodes = gltf.add_skin(rest, &shown, &skin)?;
+    let Hung { joints: nodes, shown } = gltf.add_skin(rest, &shown, &skin)?;
     let rest = gltf.rest()?;
     let joint = |(i, (node, place)): (usize, (&usize, &f64))| Joint {
         node: *node,
@@ -86,7 +87,7 @@ pub(super) fn make(
         by: By::Curve(*place),
     };
     let joints: Vec<Joint> = nodes[first..].iter().zip(&places).enumerate().map(joint).collect();
-    Ok(Rigged { gltf, rest, made: joints.len(), joints })
+    Ok(Rigged { gltf, rest, made: joints.len(), joints, shown })
 }
 
 /// The joints of the model's own chain, and what hangs on them; where `between` is not 0 with so many more to a bone.
@@ -138,7 +139,7 @@ pub(super) fn split(mut gltf: Gltf, rest: Rest, reach: &Reach, between: usize) -
         }
     }
     let made = new.iter().flatten().flatten().count();
-    Ok(Rigged { gltf, rest, joints, made })
+    Ok(Rigged { gltf, rest, joints, made, shown: Vec::new() })
 }
 
 /// A joint of the model that a limb carries.

@@ -10,12 +10,12 @@
 use std::collections::BTreeSet;
 
 use glam::DVec3;
-use wirework_asset::{Gltf, NewJoint, NewSkin, Rest, printable};
+use wirework_asset::{Gltf, Hung, NewJoint, NewSkin, Rest};
 use wirework_bake::{Bone, BoneBaker, World};
 use wirework_core::{Weights, WeightsError, Wire};
 use wirework_preset::{Deform, KeyedWire, PoseKeys};
 
-use super::{Animated, WORLD, not_alone};
+use super::{Animated, WORLD, check_unmoved, not_alone, refused};
 use crate::error::count;
 use crate::film::Film;
 use crate::{Job, JobError, Schedule, Skeleton};
@@ -58,8 +58,10 @@ impl Film<'_> {
         let weights = stage.weights(&wires).map_err(|error| refused(&told(&error, name)))?;
         let hanging = Hanging::new(&wires, &weights, name)?;
         let shown = shown(&gltf, rest, |vertex| hanging.is_moved(point_of[vertex]))?;
-        let nodes =
-            if shown.is_empty() { Vec::new() } else { hanging.make(&mut gltf, rest, &shown, point_of)? };
+        let Hung { joints: nodes, shown } = match shown.as_slice() {
+            [] => Hung { joints: Vec::new(), shown: Vec::new() },
+            shown => hanging.make(&mut gltf, rest, shown, point_of)?,
+        };
         let rest = gltf.rest()?;
         let bones: Vec<Bone> = nodes.iter().map(|&node| Bone { node, parent: None }).collect();
         let (warnings, influences) = (hanging.warnings(), hanging.most.min(MOST_INFLUENCES));
@@ -74,7 +76,7 @@ impl Film<'_> {
         }
         let joints = bones.len();
         let skeleton = Skeleton { joints, made: joints, influences, gains, ..Skeleton::default() };
-        Ok(Animated { gltf, rest, baker, skeleton, warnings })
+        Ok(Animated { gltf, rest, shown, baker, skeleton, warnings })
     }
 }
 
@@ -86,10 +88,6 @@ fn at_start(keyed: &KeyedWire) -> Wire {
         wire.locators.iter_mut().for_each(|locator| locator.rotation = None);
     }
     wire
-}
-
-fn refused(why: &str) -> JobError {
-    JobError::Request(format!("`--bake skin`: {why}; `--bake auto` takes it"))
 }
 
 /// Refuses what the weights cannot tell: what other than poses moves, and what is more than wires.
@@ -152,15 +150,9 @@ fn shown(gltf: &Gltf, rest: &Rest, is_moved: impl Fn(usize) -> bool) -> Result<V
     let moved = |block: &wirework_asset::Block| (block.first..block.first + block.count).any(&is_moved);
     let nodes: BTreeSet<usize> =
         rest.blocks.iter().filter(|block| moved(block)).map(|block| block.node).collect();
-    for &node in &nodes {
-        let Some(clip) = gltf.clip_that_moves(node) else { continue };
-        let called =
-            gltf.node_name(node).map_or_else(String::new, |name| format!(" \"{}\"", printable(name)));
-        return Err(refused(&format!(
-            "clip {clip} of the input moves node {node}{called}, and a mesh that hangs on joints does not follow its node"
-        )));
-    }
-    Ok(nodes.into_iter().collect())
+    let nodes: Vec<usize> = nodes.into_iter().collect();
+    check_unmoved(gltf, &nodes)?;
+    Ok(nodes)
 }
 
 /// How the points of a subject hang on joints: 0 is the one that stays, then come those of the wires, one a control point.
@@ -216,14 +208,14 @@ impl<'a> Hanging<'a> {
         self.rows.get(point as usize).is_some_and(|row| row.iter().any(|(joint, _)| *joint > 0))
     }
 
-    /// Makes the joints, and hangs what `shown` show on them. Gives the nodes of the control points.
+    /// Makes the joints, and hangs what `shown` show on them. Gives the joints of the control points.
     fn make(
         &self,
         gltf: &mut Gltf,
         rest: &Rest,
         shown: &[usize],
         point_of: &[u32],
-    ) -> Result<Vec<usize>, JobError> {
+    ) -> Result<Hung, JobError> {
         let mut names = vec!["wires".to_owned()];
         let mut places = vec![[0.0; 3]];
         for (w, wire) in self.wires.iter().enumerate() {
@@ -250,7 +242,9 @@ impl<'a> Hanging<'a> {
             }
         }
         let skin = NewSkin { name: "wires", joints: &joints, each, indices: &indices, weights: &weights };
-        Ok(gltf.add_skin(rest, shown, &skin)?.split_off(1))
+        let mut hung = gltf.add_skin(rest, shown, &skin)?;
+        hung.joints.remove(0);
+        Ok(hung)
     }
 
     fn warnings(&self) -> Vec<String> {
