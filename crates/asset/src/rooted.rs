@@ -29,7 +29,7 @@ impl Gltf {
             return self.split_mesh(graph, node);
         }
         let own = self.entry_mut("nodes", node)?;
-        PLACE.iter().for_each(|key| drop(own.remove(*key)));
+        own.retain(|key, _| !PLACE.contains(&key.as_str()));
         if let Some(parent) = parent {
             let above = self.entry_mut("nodes", parent)?;
             let children = above.get_mut("children").and_then(Value::as_array_mut);

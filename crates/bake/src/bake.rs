@@ -48,12 +48,12 @@ pub fn bake<M: Moments>(
     check(times, settings.tolerance)?;
     let writer = Writer::new(gltf, rest, settings);
     let frames = times.len();
-    let mut work = Work { writer, moments, frames, areas: Areas::new(rest), cached: None };
-    let tolerance = work.writer.settings.tolerance * diagonal(rest);
-    let (fields, studies) = work.studied(times, tolerance)?;
+    let diagonal = diagonal(rest);
+    let mut work = Work { writer, moments, frames, areas: Areas::new(rest), diagonal, cached: None };
+    let (fields, studies) = work.studied(times)?;
     let (mut playing, off) = work.planned(&fields, studies)?;
     let off = worst(off, work.played(times, &fields, &mut playing)?);
-    Ok(work.finish(playing, off, tolerance)?)
+    Ok(work.finish(playing, off)?)
 }
 
 fn check(times: &[f64], tolerance: f64) -> Result<(), BakeError> {
@@ -82,9 +82,10 @@ fn lengthened(
     Ok(sample)
 }
 
-/// The diagonal of what is shown at rest, metres.
+/// The diagonal of what is shown at rest, metres; 1 where that has no extent.
 fn diagonal(rest: &Rest) -> f64 {
-    Bounds::of(&rest.positions).map_or(0.0, |bounds| f64::from(bounds.diagonal()))
+    let diagonal = Bounds::of(&rest.positions).map_or(0.0, |bounds| f64::from(bounds.diagonal()));
+    if diagonal > 0.0 { diagonal } else { 1.0 }
 }
 
 struct Work<'a, 'm, M> {
@@ -93,19 +94,26 @@ struct Work<'a, 'm, M> {
     /// How many frames were asked for.
     frames: usize,
     areas: Areas,
+    /// Of the rest, metres.
+    diagonal: f64,
     /// The last key pose, which several nodes may want.
     cached: Option<Rc<Sample>>,
 }
 
 impl<M: Moments> Work<'_, '_, M> {
+    /// What is allowed, metres.
+    fn tolerance(&self) -> f64 {
+        self.writer.settings.tolerance * self.diagonal
+    }
+
     /// Looks at the whole motion.
-    fn studied(&mut self, times: &[f64], tolerance: f64) -> Result<(Vec<Field>, Vec<Study>), M::Error> {
-        let Self { writer, moments, frames, areas, .. } = self;
+    fn studied(&mut self, times: &[f64]) -> Result<(Vec<Field>, Vec<Study>), M::Error> {
+        let tolerance = self.tolerance();
+        let Self { writer, moments, frames, areas, diagonal, .. } = self;
         let fields =
             writer.nodes.iter().map(|node| Field::new(writer.rest, node, |block| writer.is_mapped(block)));
         let fields: Vec<Field> = fields.collect();
-        let room: Vec<usize> = writer.nodes.iter().map(|node| writer.settings.room(node.own)).collect();
-        let mut studies = Study::all(&fields, &room, writer.rest, &writer.settings, diagonal(writer.rest));
+        let mut studies = Study::all(&fields, writer.rest, writer.settings.bake, (tolerance, *diagonal));
         let (mut stuck, mut done) = (0, 0);
         let mut look = |time: f64| -> Result<Look, M::Error> {
             let sample = lengthened((writer, areas, &fields), (done, time), &moments.at(time)?)?;
@@ -133,17 +141,32 @@ impl<M: Moments> Work<'_, '_, M> {
     /// Chooses what each node plays.
     fn planned(&self, fields: &[Field], studies: Vec<Study>) -> Result<(Vec<Playing>, Off), BakeError> {
         let mut off = Off::default();
-        let mut playing = Vec::with_capacity(studies.len());
+        let (mut playing, mut needs) = (Vec::with_capacity(studies.len()), Vec::new());
+        let mut short = None;
         for (node, mut study) in studies.into_iter().enumerate() {
             let own = self.writer.nodes[node].own;
-            let plan = study.plan(self.writer.settings.room(own));
-            let plan =
-                plan.map_err(|short| short.error(self.writer.mesh_name(node), own, &self.writer.settings))?;
-            let (one, error) = Playing::new((node, &fields[node]), study, plan);
-            off.metres = off.metres.max(error);
-            playing.push(one);
+            match study.plan(self.writer.settings.room(own)) {
+                Ok((plan, targets)) => {
+                    needs.push((own, Some(targets)));
+                    let (one, error) = Playing::new((node, &fields[node]), study, plan, self.tolerance());
+                    off.metres = off.metres.max(error);
+                    playing.push(one);
+                }
+                Err(own_short) => {
+                    needs.push((own, own_short.targets));
+                    short = Some(match short {
+                        None => (node, own_short),
+                        Some((first, known)) => (first, own_short.also(known)),
+                    });
+                }
+            }
         }
-        Ok((playing, off))
+        let Some((node, short)) = short else { return Ok((playing, off)) };
+        Err(short.error(
+            (self.writer.mesh_name(node), self.writer.nodes[node].own),
+            &needs,
+            &self.writer.settings,
+        ))
     }
 
     /// Writes key poses, and looks between frames how far what is shown is off.
@@ -188,9 +211,9 @@ impl<M: Moments> Work<'_, '_, M> {
         Ok(())
     }
 
-    fn finish(self, playing: Vec<Playing>, off: Off, tolerance: f64) -> Result<Baked, BakeError> {
+    fn finish(self, playing: Vec<Playing>, off: Off) -> Result<Baked, BakeError> {
+        let tolerance = self.tolerance();
         let mut writer = self.writer;
-        let diagonal = diagonal(writer.rest);
         let mut clips = Vec::with_capacity(playing.len());
         let mut nodes = Vec::new();
         let samples = playing.first().map_or(0, |one| one.study.seen.len());
@@ -201,7 +224,7 @@ impl<M: Moments> Work<'_, '_, M> {
                 Way::Basis(_) => Some(Bake::Basis),
             };
             let (node, targets) = (writer.nodes[one.node].index, one.target_count());
-            let clip = one.clip(&mut writer, tolerance)?;
+            let clip = one.clip(&mut writer)?;
             let keys = clip.track.times.as_ref().map_or(0, Vec::len);
             nodes.extend(bake.filter(|_| targets > 0).map(|bake| NodeBake { node, bake, targets, keys }));
             clips.push(clip);
@@ -214,10 +237,9 @@ impl<M: Moments> Work<'_, '_, M> {
             );
             writer.gltf.warn("tolerance", message);
         }
-        let of_diagonal = if diagonal > 0.0 { off.metres / diagonal } else { 0.0 };
         let played = Played {
             error: off.metres,
-            of_diagonal,
+            of_diagonal: off.metres / self.diagonal,
             normals: off.radians,
             normals_mean: off.all.0 / off.all.1.max(1) as f64,
             samples,

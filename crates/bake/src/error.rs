@@ -32,8 +32,8 @@ pub enum BakeError {
     },
     /// A mesh would need more targets than are allowed to keep the tolerance.
     #[error(
-        "the mesh {mesh} needs {need} morph targets to stay within {tolerance} of the diagonal, and {room} of ours fit ({own} are its own, {limit} are \
-         allowed): {remedy}"
+        "the mesh {mesh} needs {need} to stay within {tolerance} of the diagonal, and {room} morph targets of ours fit ({own} are its own, {limit} \
+         are allowed): {remedy}"
     )]
     Tolerance {
         /// The name of the mesh or its index, control characters escaped.

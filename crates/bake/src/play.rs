@@ -45,6 +45,9 @@ pub(crate) struct KeyWay {
 #[derive(Debug)]
 pub(crate) struct BasisWay {
     basis: Basis,
+    /// The samples that are keys, and how far the weights of others are off for it, metres.
+    kept: Vec<usize>,
+    slack: f64,
     /// The displacements of each shape, by block.
     shapes: Vec<Vec<(usize, LocalDeltas)>>,
 }
@@ -63,7 +66,13 @@ pub(crate) struct Off {
 }
 
 impl Playing {
-    pub(crate) fn new((node, field): (usize, &Field), study: Study, plan: Plan) -> (Self, f64) {
+    /// What plays a plan, and how far it is off at the samples; `tolerance` in metres.
+    pub(crate) fn new(
+        (node, field): (usize, &Field),
+        study: Study,
+        plan: Plan,
+        tolerance: f64,
+    ) -> (Self, f64) {
         let (way, error) = match plan {
             Plan::Still => (Way::Still, 0.0),
             Plan::Keys(keys, error) => {
@@ -71,14 +80,18 @@ impl Playing {
                 (Way::Keys(KeyWay { keys, targets, poses, around: [None, None] }), error)
             }
             Plan::Basis(mut basis) => {
-                let error = basis.error;
+                let times: Vec<f64> = study.seen.iter().map(|seen| seen.time).collect();
+                let rests: Vec<bool> = study.seen.iter().map(|seen| seen.rests).collect();
+                let (kept, slack) =
+                    thinned(&times, (&basis.weights, &rests), &basis.reaches, OF_KEYS * tolerance);
+                let error = basis.error + slack;
                 let apart = |shape: &mut Shape| {
                     let out = field.apart(&shape.places, &shape.directions);
                     (shape.places, shape.directions) = (Vec::new(), Vec::new());
                     out
                 };
                 let shapes = basis.shapes.iter_mut().map(apart).collect();
-                (Way::Basis(BasisWay { basis, shapes }), error)
+                (Way::Basis(BasisWay { basis, kept, slack, shapes }), error)
             }
         };
         (Self { node, study, way }, error)
@@ -123,10 +136,12 @@ impl Playing {
     pub(crate) fn off(&self, blocks: &[usize], frame: &Frame<'_>, sample: &Sample) -> Off {
         let index = self.study.seen.partition_point(|seen| seen.time <= sample.time).saturating_sub(1);
         let mut off = Off { seconds: sample.time, ..Off::default() };
+        let slack = if let Way::Basis(way) = &self.way { way.slack } else { 0.0 };
         for &block in blocks {
             let Some(wanted) = sample.blocks.get(block) else { continue };
             let shown = self.shown(block, sample.time, index);
-            off.metres = off.metres.max(frame.moment.apart(block, &wanted.positions, &shown.positions));
+            let apart = frame.moment.apart(block, &wanted.positions, &shown.positions);
+            off.metres = off.metres.max(apart + slack);
             if let (Some(normals), Some(now)) = (&shown.normals, frame.normals) {
                 let (most, sum, count) = frame.moment.askew(block, normals, now);
                 off.radians = off.radians.max(most);
@@ -175,8 +190,8 @@ impl Playing {
         }
     }
 
-    /// Writes what has not been written, and gives targets and track; `tolerance` in metres.
-    pub(crate) fn clip(self, writer: &mut Writer<'_>, tolerance: f64) -> Result<NodeClip, BakeError> {
+    /// Writes what has not been written, and gives targets and track.
+    pub(crate) fn clip(self, writer: &mut Writer<'_>) -> Result<NodeClip, BakeError> {
         let seen = &self.study.seen;
         let times: Vec<f64> = seen.iter().map(|seen| seen.time).collect();
         let (targets, kept, weights) = match self.way {
@@ -186,7 +201,6 @@ impl Playing {
                 (way.poses.targets, way.keys, weights)
             }
             Way::Basis(way) => {
-                let kept = thinned(&times, &way.basis.weights, &way.basis.reaches, OF_KEYS * tolerance);
                 let mut targets = Vec::with_capacity(way.shapes.len());
                 for (k, shape) in way.shapes.into_iter().enumerate() {
                     let mut written = Vec::with_capacity(shape.len());
@@ -204,7 +218,7 @@ impl Playing {
                         if is_offset { format!("{prefix}_offset") } else { format!("{prefix}_b{k:02}") };
                     targets.push(MeshTarget { name, primitives });
                 }
-                (targets, kept, way.basis.weights)
+                (targets, way.kept, way.basis.weights)
             }
         };
         // Weights of the mesh's own targets are as they are at every sample.

@@ -52,6 +52,7 @@ pub(crate) struct Choice {
     axes: Axes,
     /// How many axes.
     rank: usize,
+    /// What sums of the subspace's shapes may be off, metres; below 0 where these are too far from the poses themselves.
     tolerance: f64,
 }
 
@@ -72,8 +73,9 @@ impl Choice {
     /// Looks for the fewest shapes within `tolerance`, metres; `rests` says which poses equal the rest. These are counted from the rest, so that
     /// they are exact; a motion that never rests may be counted from its mean.
     pub(crate) fn new(subspace: &Subspace, rests: &[bool], tolerance: f64) -> Self {
+        let tolerance = tolerance - subspace.left;
         let choice = |mean: bool| {
-            let axes = Axes::new(subspace, mean, tolerance);
+            let axes = Axes::new(subspace, mean, tolerance.max(0.0));
             let rank =
                 axes.errors.iter().position(|error| *error <= tolerance).unwrap_or(axes.errors.len() - 1);
             Self { axes, rank, tolerance }
@@ -90,6 +92,11 @@ impl Choice {
     pub(crate) fn count(&self, rests: &[bool]) -> usize {
         self.rank
             + usize::from(self.rank > 0 && self.has_offset(rests) || self.rank == 0 && self.is_held(rests))
+    }
+
+    /// Whether it keeps the tolerance: not where this is finer than the numbers.
+    pub(crate) fn keeps(&self) -> bool {
+        self.axes.errors[self.rank] <= self.tolerance
     }
 
     /// The least error that so many targets can keep, metres.
@@ -162,12 +169,15 @@ impl Choice {
         }
         let turns = turn_factors(&weights, &of_sums);
         let Subspace { shapes, turned, left, .. } = subspace;
+        // One list after the other, so that not all of both are there at once.
+        let places: Vec<Vec<Vector>> = factors.iter().map(|own| combined(&shapes, own, count)).collect();
+        drop(shapes);
         let directions = turned.last().map_or(0, Vec::len);
-        let shape = |(places, turns): (&Vec<f64>, &Vec<f64>)| Shape {
-            places: combined(&shapes, places, count),
-            directions: combined(&turned, turns, directions),
+        let shape = |(places, own): (Vec<Vector>, &Vec<f64>)| Shape {
+            places,
+            directions: combined(&turned, own, directions),
         };
-        let shapes: Vec<Shape> = factors.iter().zip(&turns).map(shape).collect();
+        let shapes: Vec<Shape> = places.into_iter().zip(&turns).map(shape).collect();
         let reaches = shapes.iter().map(|shape| longest(&shape.places)).collect();
         Basis { shapes, offset, weights, reaches, error: errors[rank] + left }
     }

@@ -27,11 +27,6 @@ const FEW: usize = 16;
 /// The memory that the shapes of all nodes may take.
 const SHAPES: usize = 384 << 20;
 
-/// A basis is given up where it has so many times the shapes that there is room for, and more than so many: too few of them can be
-/// left out in the end. What has room for few is to hear what it needs, though.
-const SPARE: usize = 2;
-const MANY: usize = 96;
-
 /// Bytes of a displacement, and of a place and a displacement.
 const DENSE: usize = 12;
 const SPARSE: usize = 16;
@@ -72,32 +67,29 @@ pub(crate) struct Seen {
 }
 
 impl Study {
-    /// One for each node of `fields`; `room` is how many targets each may get, `diagonal` the rest's, metres.
+    /// One for each node of `fields`; what is allowed, and the diagonal of the rest, metres.
     pub(crate) fn all(
         fields: &[Field],
-        room: &[usize],
         rest: &Rest,
-        settings: &Settings,
-        diagonal: f64,
+        bake: Bake,
+        (tolerance, diagonal): (f64, f64),
     ) -> Vec<Self> {
-        let tolerance = settings.tolerance * diagonal;
         let numbers = rest.positions.as_flattened().iter();
         let noise = NOISE * numbers.fold(0.0_f64, |most, c| most.max(f64::from(c.abs())));
         let vectors: usize = fields.iter().map(|field| field.count + field.turns).sum();
         let fit = SHAPES / (size_of::<Vector>() * vectors.max(1));
-        let study = |(field, room): (&Field, &usize)| {
-            let limit = fit.min(room.saturating_mul(SPARE).max(MANY)).max(1);
-            let subspace = Subspace::new(field.turns, (EXACT * tolerance).max(noise), limit);
+        let study = |field: &Field| {
+            let subspace = Subspace::new(field.turns, (EXACT * tolerance).max(noise), fit.max(1));
             let keys = Keys::new(OF_POSES * tolerance, AT_REST * diagonal);
             Self {
-                subspace: (settings.bake != Bake::Keys).then_some(subspace),
-                keys: (settings.bake != Bake::Basis).then_some(keys),
+                subspace: (bake != Bake::Keys).then_some(subspace),
+                keys: (bake != Bake::Basis).then_some(keys),
                 count: field.count,
                 seen: Vec::new(),
                 tolerance,
             }
         };
-        fields.iter().zip(room).map(study).collect()
+        fields.iter().map(study).collect()
     }
 
     /// Takes the next sample: its displacements, what it adds to directions, the weights of the mesh's own targets.
@@ -119,19 +111,19 @@ impl Study {
         }
     }
 
-    /// What to play, with at most `room` targets.
-    pub(crate) fn plan(&mut self, room: usize) -> Result<Plan, Short> {
+    /// What to play, with at most `room` targets, and how many it takes.
+    pub(crate) fn plan(&mut self, room: usize) -> Result<(Plan, usize), Short> {
         let rests: Vec<bool> = self.seen.iter().map(|seen| seen.rests).collect();
         let keys = self.keys.take().map(Keys::finish);
         let subspace = self.subspace.take().and_then(Subspace::finish);
         if rests.iter().all(|rests| *rests) {
-            return Ok(Plan::Still);
+            return Ok((Plan::Still, 0));
         }
-        let choice = subspace.as_ref().map(|subspace| {
-            Choice::new(subspace, &rests, (OF_POSES * self.tolerance - subspace.left).max(0.0))
-        });
+        let choice =
+            subspace.as_ref().map(|subspace| Choice::new(subspace, &rests, OF_POSES * self.tolerance));
         let of_keys = keys.as_ref().map(|(keys, _)| self.size_of_keys(keys));
-        let of_basis = choice.as_ref().zip(subspace.as_ref()).map(|(choice, subspace)| {
+        let kept = choice.as_ref().filter(|choice| choice.keeps());
+        let of_basis = kept.zip(subspace.as_ref()).map(|(choice, subspace)| {
             let targets = choice.count(&rests);
             (targets, targets * encoded(subspace.moved(), self.count))
         });
@@ -142,18 +134,21 @@ impl Study {
             (Some(_), None) => false,
             (None, Some(_)) => true,
             (None, None) => {
-                let within = choice.as_ref().zip(subspace.as_ref()).filter(|_| room > 0);
+                // What is too fine for its numbers no number of targets keeps.
+                let within = kept.zip(subspace.as_ref()).filter(|_| room > 0);
                 let within = within.map(|(choice, subspace)| choice.error_with(subspace, room));
-                return Err(self.short(of_keys, of_basis, within));
+                let why = if choice.is_some() { TOO_FINE } else { TOO_LARGE };
+                return Err(self.short(of_keys, of_basis.ok_or(why), within));
             }
         };
         match (keys, choice.zip(subspace)) {
             (_, Some((choice, subspace))) if basis_is_smaller => {
                 let basis = choice.basis(subspace, self.count, &rests);
-                Ok(if basis.shapes.is_empty() { Plan::Still } else { Plan::Basis(basis) })
+                let targets = basis.shapes.len();
+                Ok((if targets == 0 { Plan::Still } else { Plan::Basis(basis) }, targets))
             }
-            (Some((keys, error)), _) => Ok(Plan::Keys(keys, error)),
-            _ => Ok(Plan::Still),
+            (Some((keys, error)), _) => Ok((Plan::Keys(keys, error), of_keys.map_or(0, |(keys, _)| keys))),
+            _ => Ok((Plan::Still, 0)),
         }
     }
 
@@ -168,45 +163,94 @@ impl Study {
     fn short(
         &self,
         keys: Option<(usize, usize)>,
-        basis: Option<(usize, usize)>,
+        basis: Result<(usize, usize), &str>,
         within: Option<f64>,
     ) -> Short {
         let needs = [
             keys.map(|(keys, _)| format!("{keys} key poses")),
-            basis.map(|(basis, _)| format!("a basis of {basis}")),
+            basis.ok().map(|(basis, _)| format!("a basis of {basis} shapes")),
         ];
-        let counts = [keys, basis].into_iter().flatten().map(|(targets, _)| targets);
-        let within = within.map(|error| error / OF_POSES / self.tolerance);
+        let need = needs.into_iter().flatten().collect::<Vec<_>>().join(" or ");
+        let counts = [keys, basis.ok()].into_iter().flatten().map(|(targets, _)| targets);
         Short {
-            need: needs.into_iter().flatten().collect::<Vec<_>>().join(" or "),
-            targets: counts.min().unwrap_or(0),
-            within,
+            need: if need.is_empty() { basis.err().unwrap_or(TOO_FINE).to_owned() } else { need },
+            targets: counts.min(),
+            within: within.map(|error| error / (OF_POSES - EXACT) / self.tolerance),
         }
     }
 }
+
+/// What keeps a basis from being found.
+const TOO_FINE: &str = "finer numbers than 32-bit floats";
+const TOO_LARGE: &str = "a basis of more shapes than there is memory for";
 
 /// That there is not enough room.
 #[derive(Debug)]
 pub(crate) struct Short {
     /// What is needed, in words.
     need: String,
-    /// How many targets that are at least.
-    targets: usize,
+    /// How many targets that are at least, where that is known.
+    pub(crate) targets: Option<usize>,
     /// At how many times the tolerance it would fit, where that is known.
     within: Option<f64>,
 }
 
 impl Short {
-    pub(crate) fn error(self, mesh: String, own: usize, settings: &Settings) -> BakeError {
-        let Settings { tolerance, max_targets: limit, .. } = *settings;
-        let room = settings.room(own);
-        let raise = format!("`--max-targets {}` would do", self.targets + limit - room);
-        // A little more than is needed: sampling depends on the tolerance, too.
-        let relax =
-            self.within.map(|times| format!("`--tolerance {:.1e}` fits", tolerance * (times * 1.1).max(1.1)));
-        let remedy = relax.map_or_else(|| raise.clone(), |relax| format!("{relax}, {raise}"));
-        BakeError::Tolerance { mesh, need: self.need, tolerance, room, own, limit, remedy }
+    /// Has what helps this one help another, too.
+    pub(crate) fn also(self, other: Self) -> Self {
+        let within = self.within.zip(other.within).map(|(a, b)| a.max(b));
+        Self { within, ..other }
     }
+
+    /// `needs` has for each node how many targets are its mesh's own, and how many of ours it takes.
+    pub(crate) fn error(
+        self,
+        (mesh, own): (String, usize),
+        needs: &[(usize, Option<usize>)],
+        settings: &Settings,
+    ) -> BakeError {
+        let Settings { tolerance, max_targets: limit, .. } = *settings;
+        // Sampling depends on the tolerance, too.
+        let relaxed = self.within.map(|times| rounded_up(tolerance * (times * SURE).max(1.1)));
+        let relax = relaxed.map(|tolerance| format!("`--tolerance {tolerance:.1e}` fits"));
+        let raise = enough(needs).map(|limit| format!("`--max-targets {limit}` would do"));
+        let remedies: Vec<String> = relax.into_iter().chain(raise).collect();
+        let remedy = match remedies.as_slice() {
+            [] => "a larger `--tolerance`, or another `--bake`, may do".to_owned(),
+            remedies => remedies.join(", "),
+        };
+        BakeError::Tolerance {
+            mesh,
+            need: self.need,
+            tolerance,
+            room: settings.room(own),
+            own,
+            limit,
+            remedy,
+        }
+    }
+}
+
+/// Of a tolerance that is said to fit: the axes of fewer samples are not quite the same.
+const SURE: f64 = 1.25;
+
+/// To two digits, upwards.
+fn rounded_up(x: f64) -> f64 {
+    let unit = 10.0_f64.powf(x.log10().floor() - 1.0);
+    (x / unit).ceil() * unit
+}
+
+/// The least limit at which all get as many targets as they need.
+fn enough(needs: &[(usize, Option<usize>)]) -> Option<usize> {
+    let needs: Vec<(usize, usize)> =
+        needs.iter().map(|(own, needed)| Some((*own, (*needed)?))).collect::<Option<_>>()?;
+    let with_own = |(own, needed): &(usize, usize)| own + needed;
+    let least = |(own, needed): &(usize, usize)| if needed <= own { *needed } else { own + needed };
+    let limit = needs.iter().map(least).max()?;
+    let fits = |(own, needed): &(usize, usize)| {
+        Settings { max_targets: limit, ..Settings::default() }.room(*own) >= *needed
+    };
+    Some(if needs.iter().all(fits) { limit } else { needs.iter().map(with_own).max()? })
 }
 
 /// About how many bytes displacements take of which so many are not 0.

@@ -204,6 +204,53 @@ fn a_jump_takes_no_time_to_speak_of_and_what_cannot_be_followed_is_told() {
     assert!(told(&out) && out.played.unwrap().of_diagonal > 1e-2);
 }
 
+/// The number that a message gives for a flag.
+fn number(message: &str, flag: &str) -> f64 {
+    let (_, rest) = message.split_once(flag).unwrap();
+    rest.trim_start_matches(' ').split('`').next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn what_several_meshes_need_is_told_at_once() {
+    let gltf = instances();
+    let rest = gltf.rest().unwrap();
+    let middle = rest.positions.iter().map(|p| f64::from(p[0])).sum::<f64>() / rest.positions.len() as f64;
+    // Of what lies farther along x more shapes.
+    let motion = move |p: DVec3, t: f64| {
+        let way = if p.x > middle { (9.0 * p.x - 9.0 * t).sin().powi(5) } else { (3.0 * t + p.z).sin() };
+        p + DVec3::Y * 0.3 * way
+    };
+    let settings = |max_targets| Settings { max_targets, ..Settings::default() };
+    let message = baked(gltf.clone(), &rest, settings(1), &frames(24), &motion).unwrap_err().to_string();
+    let targets = number(&message, "--max-targets") as usize;
+    assert!(baked(gltf.clone(), &rest, settings(targets), &frames(24), &motion).is_ok(), "{message}");
+    assert!(baked(gltf, &rest, settings(targets - 1), &frames(24), &motion).is_err(), "{message}");
+}
+
+#[test]
+fn a_tolerance_finer_than_floats_is_not_said_to_be_kept() {
+    let gltf = sheet(8);
+    let rest = gltf.rest().unwrap();
+    let far = |p: DVec3, t: f64| p + DVec3::Y * 1000.0 * (t * (1.0 + p.x)).sin();
+    for how in [Bake::Auto, Bake::Basis] {
+        let settings = Settings { bake: how, tolerance: 1e-12, max_targets: 8, ..Settings::default() };
+        let message = baked(gltf.clone(), &rest, settings, &frames(24), &far).unwrap_err().to_string();
+        assert!(!message.contains("basis of") && !message.contains("--max-targets 0"), "{message}");
+    }
+}
+
+#[test]
+fn what_has_no_extent_is_measured_in_metres() {
+    let point = [[0.5, 0.0, 0.0]; 3];
+    let mesh =
+        NewMesh { name: "point", positions: &point, normals: None, uvs: None, triangles: &[[0, 1, 2]] };
+    let gltf = Gltf::from_meshes("point", &[mesh]).unwrap();
+    let rest = gltf.rest().unwrap();
+    let up = |p: DVec3, t: f64| p + DVec3::Y * t * t;
+    let out = baked(gltf, &rest, Settings::default(), &frames(24), &up).unwrap();
+    assert!(out.targets <= 2 && out.played.unwrap().of_diagonal <= 1e-4);
+}
+
 #[test]
 fn what_does_not_fit_says_what_would() {
     let gltf = sheet(24);
@@ -212,27 +259,49 @@ fn what_does_not_fit_says_what_would() {
     let settings = |max_targets, tolerance| Settings { max_targets, tolerance, ..Settings::default() };
     let fits = baked(gltf.clone(), &rest, settings(240, 1e-4), &frames(24), &peak).unwrap();
     assert!(fits.targets > 8, "{}", fits.targets);
-    let short = baked(gltf.clone(), &rest, settings(6, 1e-4), &frames(24), &peak).unwrap_err();
-    let message = short.to_string();
-    let BakeError::Tolerance { room: 6, own: 0, remedy, .. } = short else { panic!("{message}") };
-    assert!(message.contains("\"sheet\" needs") && message.contains("a basis of"), "{message}");
-    // What the message says is true.
-    let number = |flag: &str| {
-        let rest = remedy.split_once(flag).unwrap().1;
-        rest.trim_start_matches(' ').split('`').next().unwrap().parse::<f64>().unwrap()
-    };
-    let (tolerance, targets) = (number("--tolerance"), number("--max-targets") as usize);
-    let relaxed = baked(gltf.clone(), &rest, settings(6, tolerance), &frames(24), &peak).unwrap();
-    assert!(relaxed.targets <= 6);
-    assert!(
-        baked(gltf.clone(), &rest, settings(targets, 1e-4), &frames(24), &peak).unwrap().targets <= targets
-    );
+    // As many as it needs are enough.
+    let again = baked(gltf.clone(), &rest, settings(fits.targets, 1e-4), &frames(24), &peak).unwrap();
+    assert_eq!(again.targets, fits.targets);
+    for room in [1, 2, 3, 6, fits.targets - 1] {
+        let short = baked(gltf.clone(), &rest, settings(room, 1e-4), &frames(24), &peak).unwrap_err();
+        let message = short.to_string();
+        let BakeError::Tolerance { room: own_room, own: 0, remedy, .. } = short else { panic!("{message}") };
+        assert_eq!(own_room, room);
+        assert!(message.contains("\"sheet\" needs") && message.contains("a basis of"), "{message}");
+        // What the message says is true.
+        let (tolerance, targets) = (number(&remedy, "--tolerance"), number(&remedy, "--max-targets"));
+        assert_eq!(targets, fits.targets as f64, "{message}");
+        let relaxed = baked(gltf.clone(), &rest, settings(room, tolerance), &frames(24), &peak);
+        assert!(relaxed.is_ok_and(|relaxed| relaxed.targets <= room), "{message}");
+    }
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let refused = baked(gltf.clone(), &rest, settings(6, bad), &frames(24), &peak);
         assert!(matches!(refused, Err(BakeError::NoTolerance(_))), "{bad}");
     }
     let refused = baked(gltf, &rest, settings(6, 1e-4), &[0.5, 0.5], &peak);
     assert!(matches!(refused, Err(BakeError::Frame { frame: 1, .. })));
+}
+
+#[test]
+fn frames_at_rest_are_exact_however_slowly_it_comes_to_rest() {
+    let gltf = sheet(12);
+    let rest = gltf.rest().unwrap();
+    let motion = |p: DVec3, t: f64| {
+        p + DVec3::new(0.02 * p.z, 0.05 * (3.0 * p.x).cos(), 0.0) * (0.8 - t).max(0.0).powi(3)
+    };
+    for tolerance in [1e-4, 1e-2] {
+        let settings = Settings { bake: Bake::Basis, tolerance, ..Settings::default() };
+        let out = baked(gltf.clone(), &rest, settings, &frames(30), &motion).unwrap();
+        let glb = out.gltf.to_glb().unwrap();
+        for frame in 20..=30 {
+            let shown = oracle::evaluate(&glb, Some("wirework"), (f64::from(frame) / 24.0) as f32);
+            for (a, b) in shown[0].positions.iter().zip(&rest.positions) {
+                let off = a.distance(DVec3::from_array(b.map(f64::from)));
+                assert!(off < 1e-6, "{tolerance} at frame {frame}: {off}");
+            }
+        }
+        assert!(off(&out, &rest, 1.25, &motion) <= out.played.unwrap().of_diagonal + 1e-6);
+    }
 }
 
 #[test]
