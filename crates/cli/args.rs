@@ -117,7 +117,7 @@ pub(crate) struct Apply {
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=64))]
     pub(crate) joints: u16,
     /// How far a vertex may be from where the effect has it, at any time, in parts of the diagonal; for `auto`, `keys` and `basis`
-    #[arg(long, default_value_t = 1e-4, value_name = "T", value_parser = positive)]
+    #[arg(long, default_value_t = 1e-4, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) tolerance: f64,
     /// The most morph targets a mesh may have, its own counted
     #[arg(long, default_value_t = 240, value_name = "N")]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use wirework_asset::{HELD_BYTES, Limits, MadeFile, OutputFile, check_output, same_file, write_files_and};
-use wirework_bake::{Bake, Settings};
+use wirework_bake::{Bake, BakeError, Settings};
 use wirework_preset::{Action, Chain, Effect, Preset};
 
 use crate::film::{Film, check_clip, find_clip};
@@ -378,11 +378,20 @@ pub(crate) fn check_place(path: &Path, sequence: bool) -> Result<(), JobError> {
     }
 }
 
+const NO_TRACKS: &str =
+    "`--bake skin` writes tracks of joints: it needs a .glb or .gltf, and an effect that moves in time";
+const NO_CLIP: &str = "a clip takes the effect only where it is written as a glTF animation";
+
 /// What to write; refuses what cannot be before any work is done.
 fn target(job: &Job<'_>, schedule: &Schedule, alone: bool) -> Result<Target, JobError> {
     let request = |message: &str| Err(JobError::Request(message.to_owned()));
+    if !(job.tolerance > 0.0 && job.tolerance.is_finite()) {
+        return Err(BakeError::NoTolerance(job.tolerance).into());
+    }
     let Some(path) = job.output else {
         return match (alone, job.dry_run) {
+            (false, _) if job.bake == Bake::Skin => request(NO_TRACKS),
+            (false, _) if job.into.is_some() => request(NO_CLIP),
             (false, _) => Ok(Target::Aside),
             (true, true) => Ok(Target::Gltf(wirework_asset::Format::Glb)),
             (true, false) => request("there is no output: give one, or do a dry run"),
@@ -401,9 +410,7 @@ fn target(job: &Job<'_>, schedule: &Schedule, alone: bool) -> Result<Target, Job
     };
     let animation = matches!((&target, schedule), (Target::Gltf(_), Schedule::Frames { .. }));
     match (&target, schedule) {
-        _ if job.bake == Bake::Skin && !animation => request(
-            "`--bake skin` writes tracks of joints: it needs a .glb or .gltf, and an effect that moves in time",
-        ),
+        _ if job.bake == Bake::Skin && !animation => request(NO_TRACKS),
         (Target::Gltf(_), _) if name.contains("####") => request(&format!(
             "{name}: `####` stands for a file a frame, and only OBJ is written so; leave it out"
         )),
@@ -415,9 +422,7 @@ fn target(job: &Job<'_>, schedule: &Schedule, alone: bool) -> Result<Target, Job
             request(&format!("{name}: a still is one file; leave `####` out of its name"))
         }
         (Target::Gltf(_), Schedule::Frames { .. }) => Ok(target),
-        _ if job.into.is_some() => {
-            request("a clip takes the effect only where it is written as a glTF animation")
-        }
+        _ if job.into.is_some() => request(NO_CLIP),
         _ => Ok(target),
     }
 }

@@ -12,6 +12,7 @@ use serde::Serialize;
 use wirework_asset::{FrameStore, Gltf, MadeFile, Part, Rest, printable};
 use wirework_bake::{CacheFormat, CacheHead, cache_head, cache_sample_into};
 
+use crate::output::Pattern;
 use crate::subject::Model;
 use crate::{Job, JobError, Schedule};
 
@@ -42,6 +43,10 @@ pub(crate) fn wanted(job: &Job<'_>) -> Result<Vec<Wanted>, JobError> {
     let output = job.output.filter(|path| CacheFormat::of(path).is_some());
     let all = output.into_iter().chain(job.caches.iter().map(PathBuf::as_path));
     let one = |path: &Path| match CacheFormat::of(path) {
+        Some(_) if Pattern::of(path).is_some() => Err(JobError::Request(format!(
+            "{}: `####` stands for a file a frame, and a point cache holds all frames; leave it out",
+            printable(&path.display().to_string())
+        ))),
         Some(format) => Ok(Wanted { path: path.to_path_buf(), format }),
         None => Err(JobError::Request(format!(
             "{}: found another extension, expected a point cache: .pc2 or .mdd",

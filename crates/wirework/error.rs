@@ -204,6 +204,7 @@ impl JobError {
             Self::Schedule(_)
             | Self::Map(MapError::Range { .. })
             | Self::Request(_)
+            | Self::Bake(BakeError::NoTolerance(_))
             | Self::Render(_)
             | Self::Encode(EncodeError::Fps { .. }) => Fault::Request,
             Self::Encode(_)

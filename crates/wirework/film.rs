@@ -7,7 +7,7 @@ use serde_json::Value;
 use wirework_asset::{
     Clip, Format, Gltf, LocalDeltas, Obj, ObjPart, OutputFile, Player, Rest, write_obj, write_obj_parts,
 };
-use wirework_bake::{Frame, Moments, Played, Settings};
+use wirework_bake::{Bake, Frame, Moments, Played, Settings};
 use wirework_surface::Mesh;
 
 use crate::engines::engines;
@@ -148,7 +148,9 @@ impl Film<'_> {
         let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
         let Job { bake, tolerance, max_targets, .. } = *job;
         let settings = Settings { bake, tolerance, max_targets, clip, source, ..Settings::default() };
-        let times: Vec<f64> = self.schedule.moments().map(|(_, seconds)| seconds).collect();
+        // What happens between two frames shows at its keys.
+        let keys = if bake == Bake::Frames { &[][..] } else { &job.preset.key_times };
+        let times = self.schedule.times_with(keys);
         let start = Instant::now();
         let mut takes = Takes { film: self, rest, vertices, worked: Duration::ZERO, told: 0 };
         let baked = wirework_bake::bake(gltf, rest, settings, &times, &mut takes)?;

@@ -147,12 +147,15 @@ const FAR_OFF: f64 = 0.05;
 impl Skeleton {
     /// That it is far from the effect, where it is.
     pub(crate) fn warning(&self) -> Option<String> {
-        let Self { residual_of_diagonal, .. } = self;
+        let Self { residual_of_diagonal, influences, .. } = self;
         (*residual_of_diagonal > FAR_OFF).then(|| {
             format!(
-                "the skeleton is off by {:.0} % of the diagonal: does all that follows the limb hang on its joints? `SkinWeights` moves what does, \
-                 `--joints` lets bones bend [skeleton-off]",
-                100.0 * residual_of_diagonal
+                "the skeleton is off by {:.0} % of the diagonal{} [skeleton-off]",
+                100.0 * residual_of_diagonal,
+                // Of wires.
+                if *influences > 0 { "" } else {
+                    ": does all that follows the limb hang on its joints? `SkinWeights` moves what does, `--joints` lets bones bend"
+                }
             )
         })
     }

@@ -117,6 +117,9 @@ pub fn schedule(
     Ok(Schedule::Frames { frames, fps })
 }
 
+/// What is nearer to a frame than this part of the way to the next is there.
+const AT_FRAME: f64 = 1e-3;
+
 fn last_frame(duration: f64, fps: f64) -> f64 {
     let exact = (duration * fps).max(0.0);
     let whole = exact.round();
@@ -143,6 +146,21 @@ impl Schedule {
         }
     }
 
+    /// The times of all moments, and in between those of `keys`, in order, that are not at one of them all the same.
+    pub(crate) fn times_with(&self, keys: &[f64]) -> Vec<f64> {
+        let mut times: Vec<f64> = self.moments().map(|(_, seconds)| seconds).collect();
+        let Self::Frames { fps, .. } = self else { return times };
+        let (first, last) = self.ends();
+        for &key in keys.iter().filter(|key| (first..last).contains(*key)) {
+            let place = times.partition_point(|time| *time < key);
+            let around = times[place.saturating_sub(1)..].iter().take(2);
+            if around.into_iter().all(|time| (time - key).abs() * fps > AT_FRAME) {
+                times.insert(place, key);
+            }
+        }
+        times
+    }
+
     /// The moments in their order: the number of the frame (0 for a still), and its time in seconds.
     pub fn moments(&self) -> impl Iterator<Item = (u32, f64)> + use<> {
         let (frames, fps, offset) = match self {
@@ -166,6 +184,15 @@ mod tests {
         assert_eq!(count(2.2, 25.0), 56);
         assert_eq!(count(8.2, 30.0), 247);
         assert_eq!(count(1e-6, 24.0), 2);
+    }
+
+    #[test]
+    fn keys_between_frames_are_moments_too() {
+        let frames = schedule(&When::Frames(2..6), 1.0, true, 10.0, 100).unwrap();
+        let keys = [0.1, 0.2, 0.23, 0.230_01, 0.300_01, 0.31, 0.5, 0.6];
+        assert_eq!(frames.times_with(&keys), [0.2, 0.23, 0.3, 0.31, 0.4, 0.5]);
+        assert_eq!(frames.times_with(&[]), [0.2, 0.3, 0.4, 0.5]);
+        assert_eq!(Schedule::Still(0.3).times_with(&keys), [0.3]);
     }
 
     #[test]

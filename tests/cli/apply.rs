@@ -288,3 +288,18 @@ fn seams_of_an_obj_stay_shut() {
     assert_eq!((p[1], p[2]), (p[4], p[3]));
     assert!(p[2][1] > 0.05);
 }
+
+#[test]
+fn what_happens_between_two_frames_is_played() {
+    let place = Place::new();
+    let [low, high] = [0.0, 0.4].map(|y| format!("[(-1, {y}, 0), (1, {y}, 0)]"));
+    let keys = format!("Keys([(0, {low}), (0.53, {low}), (0.535, {high}), (0.54, {low}), (1, {low})])");
+    let wire = format!("Wire(curve: Polyline(points: {low}), radius: 5, pose: {keys})");
+    place.write("p.ron", format!("Deform(object: Grid(size: (2, 2), cells: (4, 4)), wires: [{wire}])"));
+    place.run("apply p.ron -o out.glb").expect(0);
+    for (seconds, lift) in [(0.53, 0.0), (0.5325, 0.2), (0.535, 0.4), (0.54, 0.0)] {
+        let shown = oracle::evaluate(&place.read("out.glb"), Some("wirework"), seconds);
+        let highest = shown[0].positions.iter().map(|p| p.y).fold(0.0, f64::max);
+        assert!((highest - lift).abs() < 3e-4, "{highest} at {seconds} s");
+    }
+}

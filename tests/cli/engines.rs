@@ -92,7 +92,7 @@ fn apply(place: &Place, options: &str) -> (Value, String) {
 }
 
 #[test]
-fn apply_reports_what_engines_make_of_it_and_warns_of_what_it_adds() {
+fn apply_reports_what_engines_make_of_it_and_tells_what_it_adds() {
     let place = Place::new();
     let (report, err) = apply(&place, "-o out.glb");
     assert!(!err.contains("[engines]"), "an ordinary run is quiet: {err}");

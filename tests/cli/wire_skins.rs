@@ -38,6 +38,17 @@ fn wire(kind: &str, count: usize, z: f64, fields: &str) -> String {
     format!("Wire(curve: {curve}, pose: Ease([(0, [{rest}]), (1, [{pose}])]), {fields})")
 }
 
+#[test]
+fn keys_closer_than_a_file_can_tell_are_both_there() {
+    let place = Place::new();
+    let pose = |y: f64| format!("[(-1, {y}, 0), (1, {y}, 0)]");
+    let [low, high] = [pose(0.0), pose(0.5)];
+    let keys = format!("Keys([(0, {low}), (0.5, {low}), (0.50000001, {high}), (1, {low})])");
+    let wire = format!("Wire(curve: Polyline(points: {low}), pose: {keys}, {OWN})");
+    place.write("p.ron", deform(&[wire], ""));
+    place.exact("");
+}
+
 const QUADRATIC: &str = "BSpline(degree: 2, POINTS)";
 const OWN: &str = "radius: 0.7, rotation: 0";
 

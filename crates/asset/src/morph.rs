@@ -186,6 +186,10 @@ impl Gltf {
     /// Nodes that need none share the first mesh; nothing moves them, for the weights of their targets stay 0.
     ///
     /// Pairs of nodes and their targets, all of one mesh.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that there is not, or whose primitives are not as the targets say.
     pub fn add_targets_by_node(
         &mut self,
         mesh: usize,

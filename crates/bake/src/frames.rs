@@ -36,6 +36,11 @@ impl<'a> Baker<'a> {
     /// Takes the next frame, of a time in seconds. What equals its moment, bit for bit, stays as the document has it, or as a clip that
     /// plays meanwhile has it; what does not goes back to meshes through their nodes and skins as they are then.
     /// The weights of a mesh's own targets, which our track holds beside ours, are those of the moment, linear in between.
+    ///
+    /// # Errors
+    ///
+    /// A time that does not come after the one before; vertices that are not finite, or of another number than the rest's; more targets
+    /// than are allowed; a document that cannot be edited.
     pub fn push(&mut self, time: f64, frame: &Frame<'_>) -> Result<(), BakeError> {
         let index = self.times.len();
         let seconds = key_time(index, time, self.times.last().copied())?;
@@ -86,6 +91,10 @@ impl<'a> Baker<'a> {
     }
 
     /// Adds targets and clip to the document.
+    ///
+    /// # Errors
+    ///
+    /// A document that cannot be edited; a clip that there is not, or that moves weights of the same nodes already.
     pub fn finish(self) -> Result<Baked, BakeError> {
         let Self { writer, times, nodes } = self;
         let clips = writer.nodes.iter().zip(nodes).map(|(node, track)| track.clip(node.index, node.own));

@@ -33,6 +33,8 @@ pub struct Preset {
     pub effects: Vec<Effect>,
     /// Its length in seconds, 0 or greater.
     pub duration: f64,
+    /// When something has a key, seconds, each once and in order: between them nothing that is keyed has a corner.
+    pub key_times: Vec<f64>,
     /// Whether anything moves in time. Without it the result is a still, whatever the duration.
     pub animated: bool,
     /// Whether it looks at a clip of what it is applied to, and no duration was given: then it lasts as long as that, if that
@@ -176,10 +178,13 @@ fn read(reader: &mut Reader<'_>, root: &Node) -> Option<Preset> {
     let mut scene = Scene::default();
     let mut effects = Vec::new();
     effect(reader, root, &mut scene, &mut effects)?;
+    scene.key_times.sort_by(f64::total_cmp);
+    scene.key_times.dedup();
     Some(Preset {
         object: scene.object,
         effects,
         duration: scene.duration,
+        key_times: scene.key_times,
         animated: scene.animated,
         follows_clip: scene.follows_clip,
         driven: scene.driven,
@@ -194,6 +199,7 @@ struct Scene {
     begun: bool,
     object: Option<Object>,
     duration: f64,
+    key_times: Vec<f64>,
     animated: bool,
     follows_clip: bool,
     driven: bool,
@@ -237,6 +243,7 @@ fn effect(reader: &mut Reader<'_>, node: &Node, scene: &mut Scene, out: &mut Vec
             .field(&mut fields, "refine", false, |reader, node| reader.choice(node, "refine", &options));
     }
     duration(reader, &mut fields, &clock, scene);
+    scene.key_times.append(&mut clock.times);
     reader.finish(fields);
     out.push(Effect { action: action?, only, mask, units, refine, typed: reader.typed() });
     Some(())
@@ -294,8 +301,9 @@ fn duration(reader: &mut Reader<'_>, fields: &mut Fields<'_>, clock: &Clock, sce
 /// What the tracks of an effect say about time.
 #[derive(Default)]
 pub(crate) struct Clock {
-    /// The last key of all.
+    /// The last key of all, and all of them.
     last: Option<f64>,
+    times: Vec<f64>,
     /// Whether a track changes after 0 seconds.
     moves: bool,
     /// Whether something moves by itself.
@@ -319,6 +327,7 @@ impl Clock {
     pub(crate) fn track<T: Interpolate + PartialEq>(&mut self, track: &Keyed<T>) {
         let Some(last) = track.last_key() else { return };
         self.last = Some(self.last.map_or(last, |before| before.max(last)));
+        self.times.extend(track.times());
         let mut values = track.values();
         let first = values.next();
         self.moves |= last > 0.0 && values.any(|value| Some(value) != first);

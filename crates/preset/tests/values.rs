@@ -155,6 +155,7 @@ fn duration_and_animation() {
     let stack = preset(stack);
     assert_eq!((stack.duration, stack.animated, stack.object.is_some()), (4.0, true, true));
     assert_eq!(stack.effects.len(), 2);
+    assert_eq!(stack.key_times, [0.0, 3.0, 4.0]);
 }
 
 #[test]

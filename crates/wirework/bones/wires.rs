@@ -32,6 +32,9 @@ const MOST_JOINTS: usize = 4096;
 /// Weights below this are the rounding of the others in float32, and no reason for a joint more.
 const LEAST: f64 = 3e-8;
 
+/// Times that are no farther apart, relatively, are one.
+const ROUNDING: f64 = 1e-12;
+
 /// Weights that add up to no more than this are 1: influences are kept in float32.
 const WHOLE: f64 = 1.0 + 1e-6;
 
@@ -67,12 +70,12 @@ impl Film<'_> {
         let (warnings, influences) = (hanging.warnings(), hanging.most.min(MOST_INFLUENCES));
         let gains = hanging.gains;
         let mut baker = BoneBaker::new(&bones);
-        for seconds in times(&deform.wires, &self.schedule) {
+        for (seconds, key) in times(&deform.wires, &self.schedule) {
             deform.wires.iter().zip(&mut wires).for_each(|(keyed, wire)| keyed.at_into(seconds, wire));
             let places = wires.iter().zip(&gains).flat_map(|(wire, gain)| places(wire, *gain));
             // Nothing to hang on: there are no joints.
             let places: Vec<World> = places.take(bones.len()).collect();
-            baker.push(seconds, &WORLD, &places)?;
+            baker.push(key, &WORLD, &places)?;
         }
         let joints = bones.len();
         let skeleton = Skeleton { joints, made: joints, influences, gains, ..Skeleton::default() };
@@ -325,8 +328,9 @@ fn places(wire: &Wire, gain: f64) -> Vec<World> {
     wire.reference.points().iter().zip(&wire.pose).map(place).collect()
 }
 
-/// When joints get keys: where poses have theirs and at both ends, and in every frame where a pose is eased.
-fn times(wires: &[KeyedWire], schedule: &Schedule) -> Vec<f64> {
+/// When joints get keys: where poses have theirs and at both ends, and in every frame where a pose is eased. For each the time of the
+/// poses, and that of the key, for files keep times in 32 bits: of two keys closer than that the later one comes as soon as may be.
+fn times(wires: &[KeyedWire], schedule: &Schedule) -> Vec<(f64, f64)> {
     let keys: Vec<PoseKeys> = wires.iter().map(KeyedWire::pose_keys).collect();
     let (first, last) = schedule.ends();
     let inside = keys.iter().flat_map(|keys| keys.times.iter().copied());
@@ -336,7 +340,11 @@ fn times(wires: &[KeyedWire], schedule: &Schedule) -> Vec<f64> {
         times.extend(schedule.moments().map(|(_, seconds)| seconds));
     }
     times.sort_by(f64::total_cmp);
-    // Files keep times in 32 bits.
-    times.dedup_by_key(|time| *time as f32);
-    times
+    times.dedup_by(|later, time| *later - *time <= ROUNDING * (1.0 + time.abs()));
+    let mut before = f32::NEG_INFINITY;
+    let key = |seconds: f64| {
+        before = (seconds as f32).max(before.next_up());
+        (seconds, f64::from(before))
+    };
+    times.into_iter().map(key).collect()
 }

@@ -102,7 +102,10 @@ impl Groups {
     pub(crate) fn warnings(&self) -> Vec<String> {
         let told = |group: &Group| {
             let Portion { effect, lines } = &group.portion;
-            let name = format!("effect {effect}, lines {} to {}", lines.start, lines.end.saturating_sub(1));
+            let name = match lines.end.saturating_sub(1) {
+                last if last > lines.start => format!("effect {effect}, lines {} to {last}", lines.start),
+                _ => format!("effect {effect}, line {}", lines.start),
+            };
             let left = (group.left / group.largest.max(f64::MIN_POSITIVE)).sqrt();
             if group.square == 0.0 {
                 Some(format!(
