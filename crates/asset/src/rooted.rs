@@ -40,7 +40,7 @@ impl Gltf {
             if !is_left {
                 above.remove("children");
             }
-            self.show_in_scenes(graph, &BTreeSet::from([node]), node)?;
+            self.show_in_scenes(graph, &BTreeSet::from([node]), (node, true))?;
         }
         Ok(node)
     }
@@ -69,26 +69,27 @@ impl Gltf {
                 }
             }
         }
-        self.show_in_scenes(graph, &BTreeSet::from([node]), new)?;
+        self.show_in_scenes(graph, &BTreeSet::from([node]), (new, true))?;
         Ok(new)
     }
 
-    /// Adds a root to the scenes that show one of `nodes`, as they were in `graph`.
+    /// Adds a root to the scenes that show one of `nodes`, as they were in `graph`: behind all others, or where it takes the place of one
+    /// of them behind the root that this is below.
     pub(crate) fn show_in_scenes(
         &mut self,
         graph: &Graph,
         nodes: &BTreeSet<usize>,
-        root: usize,
+        (root, replaces): (usize, bool),
     ) -> Result<(), AssetError> {
+        let shows = |start: &Value| {
+            let start = whole(start).filter(|&start| start < graph.nodes.len());
+            start.is_some_and(|start| walk(&graph.nodes, &[start]).iter().any(|node| nodes.contains(node)))
+        };
         for scene in 0..self.list("scenes").len() {
-            let listed = self.list("scenes")[scene].get("nodes").and_then(Value::as_array);
-            let starts = listed.into_iter().flatten().filter_map(whole);
-            let starts: Vec<usize> = starts.filter(|&node| node < graph.nodes.len()).collect();
-            if walk(&graph.nodes, &starts).iter().any(|node| nodes.contains(node))
-                && let Some(list) = self.entry_mut("scenes", scene)?.get_mut("nodes")
-                && let Some(list) = list.as_array_mut()
-            {
-                list.push(json!(root));
+            let list = self.entry_mut("scenes", scene)?.get_mut("nodes").and_then(Value::as_array_mut);
+            let Some(list) = list else { continue };
+            if let Some(place) = list.iter().position(shows) {
+                list.insert(if replaces { place + 1 } else { list.len() }, json!(root));
             }
         }
         Ok(())

@@ -77,7 +77,8 @@ impl Gltf {
     /// `rest` is the rest of this document; the vertices of the skin are those of its blocks that `nodes` show, in their order.
     /// Joints are appended to the nodes, and to each scene that shows one of `nodes`. From now on only the joints say where
     /// their meshes are, whatever moves the nodes, so a mesh is shown by a root without a transform: by its node, which leaves its parent,
-    /// or by a new one where that carries more than a mesh. Blocks of the rest may come in another order then. A mesh that other nodes
+    /// or by a new one where that carries more than a mesh. Blocks of the rest may come in another order then, if others stay between
+    /// them. A mesh that other nodes
     /// show too is copied. Vertices on more than four joints get a second set of joints and weights, and so on, the largest
     /// weights first. The rest of the document has to be read anew.
     ///
@@ -108,10 +109,10 @@ impl Gltf {
         let hanging = Hanging::read(skin, vertices)?;
         let bones = self.append_bones(skin, world)?;
         // Joints must be in the scene of what hangs on them.
-        self.show_in_scenes(&graph, &nodes, bones.root)?;
+        self.show_in_scenes(&graph, &nodes, (bones.root, false))?;
         self.hang(rest, &nodes, &hanging)?;
         let mut skins: Vec<(DAffine3, usize)> = Vec::new();
-        let mut shown = Vec::with_capacity(nodes.len());
+        let mut of_nodes = Vec::with_capacity(nodes.len());
         for &node in &nodes {
             let own = graph.world[node];
             let index = match skins.iter().find(|(known, _)| *known == own) {
@@ -119,10 +120,18 @@ impl Gltf {
                 None => self.append_binding(skin.name, &bones, &own)?,
             };
             skins.push((own, index));
+            of_nodes.push((node, index));
+        }
+        // Each new root goes right behind the one it was below: backwards, so that they keep their order.
+        let place = |node: &usize| graph.shown.iter().position(|shown| shown == node);
+        of_nodes.sort_by_key(|(node, _)| std::cmp::Reverse(place(node)));
+        let mut shown = Vec::with_capacity(nodes.len());
+        for (node, skin) in of_nodes {
             let root = self.root_mesh(&graph, node)?;
-            self.entry_mut("nodes", root)?.insert("skin".to_owned(), json!(index));
+            self.entry_mut("nodes", root)?.insert("skin".to_owned(), json!(skin));
             shown.push((node, root));
         }
+        shown.sort_unstable();
         Ok(Hung { joints: bones.nodes, shown })
     }
 
