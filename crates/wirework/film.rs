@@ -108,6 +108,10 @@ impl Film<'_> {
         } else {
             (gltf, played) = self.animated(job, (gltf, &rest), vertices, under)?;
         }
+        if played.as_ref().is_some_and(|played| played.nodes.is_empty() && played.error > 0.0) {
+            let message = "the effect moves nothing farther than the tolerance, and is not in the file";
+            gltf.warn("still", message.to_owned());
+        }
         let engines = engines(&gltf);
         let warnings = gltf.warnings().iter().skip(known);
         let file = wirework_asset::printable(gltf.file());

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use wirework_asset::{MadeFile, OutputFile, printable};
 use wirework_bake::VatLayout;
 
-use crate::apply::{check_place, guard_report, same_place};
+use crate::apply::{check_place, folder_of, guard_report, same_place};
 use crate::caches::{Caches, Member, Wanted, members, wanted, warnings};
 use crate::motion::Motion;
 use crate::output::Scene;
@@ -193,7 +193,7 @@ impl Aside {
 pub(crate) fn all_apart<'p>(paths: impl Iterator<Item = &'p Path>) -> Result<(), JobError> {
     let mut places = BTreeSet::new();
     for path in paths {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = folder_of(path);
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
         if !places.insert((folder, path.file_name())) {
             return Err(twice(path));

@@ -231,8 +231,8 @@ impl<M: Moments> Work<'_, '_, M> {
         }
         if off.metres > tolerance {
             let message = format!(
-                "at {:.3} s a vertex is {:.2e} m off, and {tolerance:.2e} m are allowed: the motion jumps there, or is too fast to be \
-                 followed",
+                "at {:.3} s a vertex is {:.2e} m off, and {tolerance:.2e} m are allowed: the motion jumps there, is too fast to be followed, or \
+                 that is finer than 32-bit floats",
                 off.seconds, off.metres
             );
             writer.gltf.warn("tolerance", message);

@@ -91,7 +91,9 @@ impl Choice {
     /// How many targets that makes.
     pub(crate) fn count(&self, rests: &[bool]) -> usize {
         self.rank
-            + usize::from(self.rank > 0 && self.has_offset(rests) || self.rank == 0 && self.is_held(rests))
+            + usize::from(
+                self.rank > 0 && self.has_offset(self.rank, rests) || self.rank == 0 && self.is_held(rests),
+            )
     }
 
     /// Whether it keeps the tolerance: not where this is finer than the numbers.
@@ -99,22 +101,23 @@ impl Choice {
         self.axes.errors[self.rank] <= self.tolerance
     }
 
-    /// The least error that so many targets can keep, metres.
-    pub(crate) fn error_with(&self, subspace: &Subspace, targets: usize) -> f64 {
+    /// The least error that so many targets can keep, metres; none where they would show nothing but one pose.
+    pub(crate) fn error_with(&self, subspace: &Subspace, rests: &[bool], targets: usize) -> Option<f64> {
         let Axes { directions: axes, along, errors: known, .. } = &self.axes;
-        let rank = targets.saturating_sub(1).min(known.len() - 1);
-        errors(&subspace.shapes, axes, along, f64::INFINITY)[rank]
+        let most = targets.min(known.len() - 1);
+        let rank = if self.has_offset(most, rests) { most.min(targets - 1) } else { most };
+        (rank > 0).then(|| errors(&subspace.shapes, axes, along, f64::INFINITY)[rank])
     }
 
-    /// Whether the least weights are not nothing: at once from numbers, for shapes are unit vectors.
-    fn has_offset(&self, rests: &[bool]) -> bool {
-        let lows = (0..self.rank).map(|axis| self.range(axis, rests)[0]);
+    /// Whether the least weights along so many axes are not nothing: at once from numbers, for shapes are unit vectors.
+    fn has_offset(&self, rank: usize, rests: &[bool]) -> bool {
+        let lows = (0..rank).map(|axis| self.range(axis, rests)[0]);
         lows.chain(self.axes.origin.iter().copied()).any(|low| low.abs() > NOTHING * self.tolerance)
     }
 
     /// Whether one pose, which is not the rest, is held all the time.
     fn is_held(&self, rests: &[bool]) -> bool {
-        self.axes.errors.len() > 1 && self.has_offset(rests)
+        self.axes.errors.len() > 1 && self.has_offset(self.rank, rests)
     }
 
     /// The least and the greatest coordinate along an axis.

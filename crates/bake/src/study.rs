@@ -8,7 +8,7 @@ use crate::principal::{Basis, Choice};
 use crate::settings::{Bake, Settings};
 use crate::span::Keys;
 use crate::subspace::Subspace;
-use crate::vectors::Vector;
+use crate::vectors::{Vector, longest};
 
 /// The part of the tolerance that poses may be off, and how nearly exact their coordinates are: what is left is for the ways between
 /// samples.
@@ -52,6 +52,8 @@ pub(crate) struct Study {
     pub(crate) seen: Vec<Seen>,
     /// Metres.
     tolerance: f64,
+    /// How far a vertex moves at most, metres.
+    reach: f64,
 }
 
 #[derive(Debug)]
@@ -87,6 +89,7 @@ impl Study {
                 count: field.count,
                 seen: Vec::new(),
                 tolerance,
+                reach: 0.0,
             }
         };
         fields.iter().map(study).collect()
@@ -101,6 +104,7 @@ impl Study {
         places: &[Vector],
         directions: Vec<Vector>,
     ) {
+        self.reach = self.reach.max(longest(places));
         let moved = places.iter().filter(|d| **d != [0.0; 3]).count();
         self.seen.push(Seen { time, rests, own, hash: hash(places), moved });
         if let Some(keys) = &mut self.keys {
@@ -136,7 +140,7 @@ impl Study {
             (None, None) => {
                 // What is too fine for its numbers no number of targets keeps.
                 let within = kept.zip(subspace.as_ref()).filter(|_| room > 0);
-                let within = within.map(|(choice, subspace)| choice.error_with(subspace, room));
+                let within = within.and_then(|(choice, subspace)| choice.error_with(subspace, &rests, room));
                 let why = if choice.is_some() { TOO_FINE } else { TOO_LARGE };
                 return Err(self.short(of_keys, of_basis.ok_or(why), within));
             }
@@ -172,10 +176,12 @@ impl Study {
         ];
         let need = needs.into_iter().flatten().collect::<Vec<_>>().join(" or ");
         let counts = [keys, basis.ok()].into_iter().flatten().map(|(targets, _)| targets);
+        let relaxed = within.map(|error| SURE * error / (OF_POSES - EXACT));
         Short {
             need: if need.is_empty() { basis.err().unwrap_or(TOO_FINE).to_owned() } else { need },
             targets: counts.min(),
-            within: within.map(|error| error / (OF_POSES - EXACT) / self.tolerance),
+            // At a tolerance as large as the motion nothing would move.
+            within: relaxed.filter(|relaxed| *relaxed < self.reach).map(|relaxed| relaxed / self.tolerance),
         }
     }
 }
@@ -210,8 +216,7 @@ impl Short {
         settings: &Settings,
     ) -> BakeError {
         let Settings { tolerance, max_targets: limit, .. } = *settings;
-        // Sampling depends on the tolerance, too.
-        let relaxed = self.within.map(|times| rounded_up(tolerance * (times * SURE).max(1.1)));
+        let relaxed = self.within.map(|times| rounded_up(tolerance * times.max(1.1)));
         let relax = relaxed.map(|tolerance| format!("`--tolerance {tolerance:.1e}` fits"));
         let raise = enough(needs).map(|limit| format!("`--max-targets {limit}` would do"));
         let remedies: Vec<String> = relax.into_iter().chain(raise).collect();
@@ -240,17 +245,10 @@ fn rounded_up(x: f64) -> f64 {
     (x / unit).ceil() * unit
 }
 
-/// The least limit at which all get as many targets as they need.
+/// A limit at which all get as many targets as they need, the meshes' own counted.
 fn enough(needs: &[(usize, Option<usize>)]) -> Option<usize> {
-    let needs: Vec<(usize, usize)> =
-        needs.iter().map(|(own, needed)| Some((*own, (*needed)?))).collect::<Option<_>>()?;
-    let with_own = |(own, needed): &(usize, usize)| own + needed;
-    let least = |(own, needed): &(usize, usize)| if needed <= own { *needed } else { own + needed };
-    let limit = needs.iter().map(least).max()?;
-    let fits = |(own, needed): &(usize, usize)| {
-        Settings { max_targets: limit, ..Settings::default() }.room(*own) >= *needed
-    };
-    Some(if needs.iter().all(fits) { limit } else { needs.iter().map(with_own).max()? })
+    let all = needs.iter().map(|(own, needed)| Some(own + (*needed)?));
+    all.collect::<Option<Vec<_>>>()?.into_iter().max()
 }
 
 /// About how many bytes displacements take of which so many are not 0.
