@@ -303,3 +303,11 @@ fn what_happens_between_two_frames_is_played() {
         assert!((highest - lift).abs() < 3e-4, "{highest} at {seconds} s");
     }
 }
+
+#[test]
+fn an_effect_within_the_tolerance_is_told_to_be_lost() {
+    let place = Place::new();
+    let done = place.run("apply lift.ron -o out.glb --tolerance 1").expect(0);
+    assert!(done.err().contains("[still]"), "{}", done.err());
+    place.run("apply lift.ron -o out.glb --tolerance 1 --strict").expect(3);
+}

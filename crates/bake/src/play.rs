@@ -74,7 +74,7 @@ impl Playing {
         tolerance: f64,
     ) -> (Self, f64) {
         let (way, error) = match plan {
-            Plan::Still => (Way::Still, 0.0),
+            Plan::Still => (Way::Still, study.reach),
             Plan::Keys(keys, error) => {
                 let (targets, poses) = (Vec::new(), Poses::default());
                 (Way::Keys(KeyWay { keys, targets, poses, around: [None, None] }), error)

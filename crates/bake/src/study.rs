@@ -53,7 +53,7 @@ pub(crate) struct Study {
     /// Metres.
     tolerance: f64,
     /// How far a vertex moves at most, metres.
-    reach: f64,
+    pub(crate) reach: f64,
 }
 
 #[derive(Debug)]
