@@ -78,8 +78,7 @@ impl Gltf {
     /// Joints are appended to the nodes, and to each scene that shows one of `nodes`. From now on only the joints say where
     /// their meshes are, whatever moves the nodes, so a mesh is shown by a root without a transform: by its node, which leaves its parent,
     /// or by a new one where that carries more than a mesh. Blocks of the rest may come in another order then, if others stay between
-    /// them. A mesh that other nodes
-    /// show too is copied. Vertices on more than four joints get a second set of joints and weights, and so on, the largest
+    /// them. A mesh that other nodes show too is copied. Vertices on more than four joints get a second set of joints and weights, and so on, the largest
     /// weights first. The rest of the document has to be read anew.
     ///
     /// # Errors

@@ -24,8 +24,10 @@ const NOISE: f64 = 3e-7;
 /// Up to so many targets no engine minds, and the fewest bytes count; beyond it the fewest targets.
 const FEW: usize = 16;
 
-/// The memory that the shapes of all nodes may take.
+/// The memory that the shapes of all nodes may take, and how many a node may have at all: the time that they take grows with the square
+/// of that, and of the search for their axes with the cube.
 const SHAPES: usize = 384 << 20;
+const MOST: usize = 512;
 
 /// Bytes of a displacement, and of a place and a displacement.
 const DENSE: usize = 12;
@@ -81,7 +83,7 @@ impl Study {
         let vectors: usize = fields.iter().map(|field| field.count + field.turns).sum();
         let fit = SHAPES / (size_of::<Vector>() * vectors.max(1));
         let study = |field: &Field| {
-            let subspace = Subspace::new(field.turns, (EXACT * tolerance).max(noise), fit.max(1));
+            let subspace = Subspace::new(field.turns, (EXACT * tolerance).max(noise), fit.clamp(1, MOST));
             let keys = Keys::new(OF_POSES * tolerance, AT_REST * diagonal);
             Self {
                 subspace: (bake != Bake::Keys).then_some(subspace),
@@ -188,7 +190,7 @@ impl Study {
 
 /// What keeps a basis from being found.
 const TOO_FINE: &str = "finer numbers than 32-bit floats";
-const TOO_LARGE: &str = "a basis of more shapes than there is memory for";
+const TOO_LARGE: &str = "a basis of more shapes than are looked for";
 
 /// That there is not enough room.
 #[derive(Debug)]
