@@ -70,6 +70,7 @@ fn tell(console: Console, args: &BakeMap, report: &MapReport) {
         format!(", at {:.2} s", report.seconds)
     };
     let what = if args.dry_run { "dry run, nothing is written of" } else { "wrote" };
+    let files: Vec<String> = report.paths.iter().map(|path| printable(&path.display().to_string())).collect();
     let total = (report.prepare_ms + report.write_ms) / 1e3;
-    console.note(&format!("{what} {}: {width}×{down}{moment}, {total:.2} s", report.files.join(", ")));
+    console.note(&format!("{what} {}: {width}×{down}{moment}, {total:.2} s", files.join(", ")));
 }

@@ -363,18 +363,15 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
 /// Refuses a place that takes no file, before any work is done. Files of a `sequence` may have a folder made for them.
 pub(crate) fn check_place(path: &Path, sequence: bool) -> Result<(), JobError> {
     let folder = folder_of(path);
-    if !sequence {
-        return if folder.is_dir() {
-            Ok(check_output(path)?)
-        } else {
-            Err(JobError::NoFolder(folder.to_path_buf()))
-        };
+    if !sequence && !folder.exists() {
+        return Err(JobError::NoFolder(folder.to_path_buf()));
     }
     let there =
         folder.ancestors().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
     match there.into_iter().find(|folder| folder.exists()) {
-        Some(there) if there.is_dir() => Ok(check_output(&there.join("0"))?),
-        _ => Err(JobError::NoFolder(folder.to_path_buf())),
+        Some(there) if !there.is_dir() => Err(JobError::NotFolder(there.to_path_buf())),
+        Some(there) => Ok(check_output(&if sequence { there.join("0") } else { path.to_path_buf() })?),
+        None => Err(JobError::NoFolder(folder.to_path_buf())),
     }
 }
 

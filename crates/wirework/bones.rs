@@ -23,6 +23,7 @@ use wirework_asset::{Clip, Format, Gltf, Rest, printable};
 use wirework_bake::{Bone, BoneBaker, World};
 use wirework_core::{Station, Wire};
 use wirework_ik::BoneFrame;
+use wirework_preset::{Action, Effect};
 
 use crate::film::{Film, Product, find_clip, new_clip};
 use crate::limbs::Reach;
@@ -119,7 +120,9 @@ impl Film<'_> {
         rest: Rest,
         point_of: &[u32],
     ) -> Result<Animated, JobError> {
-        let Some((reach, _, factors)) = self.motion.evaluation.lone_limb() else { return Err(not_alone()) };
+        let Some((reach, _, factors)) = self.motion.evaluation.lone_limb() else {
+            return Err(not_alone(self.motion.effects()));
+        };
         let Rigged { gltf, rest, joints, made, shown } = if reach.nodes().is_empty() {
             rig::make(gltf, &rest, reach.rest(), (factors, point_of), job.joints)?
         } else {
@@ -132,7 +135,9 @@ impl Film<'_> {
         for (_, seconds) in self.schedule.moments() {
             self.motion.at(seconds)?;
             let evaluation = &self.motion.evaluation;
-            let Some((reach, wire, _)) = evaluation.lone_limb() else { return Err(not_alone()) };
+            let Some((reach, wire, _)) = evaluation.lone_limb() else {
+                return Err(not_alone(self.motion.effects()));
+            };
             let player = evaluation.posing().map_or(&still, |posing| posing.player());
             let world = |node: usize| player.node_transform(node).unwrap_or(WORLD);
             let joints = places(&joints, (reach, wire), seconds, world);
@@ -218,12 +223,18 @@ fn check_unmoved(gltf: &Gltf, nodes: &[usize]) -> Result<(), JobError> {
     Ok(())
 }
 
-fn not_alone() -> JobError {
-    JobError::Request(
-        "`--bake skin` writes a preset that is one `Ik`, or one `Deform` whose wires only move, and nothing else; \
-         `--bake auto` takes all effects"
-            .to_owned(),
-    )
+fn not_alone(effects: &[Effect]) -> JobError {
+    let name = |effect: &Effect| match &effect.action {
+        Action::Deform(_) => "`Deform`",
+        Action::Wrinkle(_) => "`Wrinkle`",
+        Action::Stitch(_) => "`Stitch`",
+        Action::Ik(_) => "`Ik`",
+    };
+    let found: Vec<&str> = effects.iter().map(name).collect();
+    let found = if found.is_empty() { "no effect".to_owned() } else { found.join(", ") };
+    refused(&format!(
+        "found {found}, expected one `Ik`, or one `Deform` whose wires only move, and nothing else"
+    ))
 }
 
 /// Where joints are to be at a time, to which `wire` has been brought; `world` is where nodes are then without the limb.

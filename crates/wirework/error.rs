@@ -163,6 +163,9 @@ pub enum JobError {
     /// The folder of the output is not there.
     #[error("{}: found no such folder, expected a folder to write into", printable(&.0.display().to_string()))]
     NoFolder(PathBuf),
+    /// A file stands where the folder of the output is to be.
+    #[error("{}: found a file, expected a folder to write into", printable(&.0.display().to_string()))]
+    NotFolder(PathBuf),
     /// A pool of threads cannot be started.
     #[error("{0} threads cannot be started: {1}")]
     Threads(usize, String),
@@ -214,6 +217,7 @@ impl JobError {
             | Self::Store(_)
             | Self::Map(_)
             | Self::NoFolder(_)
+            | Self::NotFolder(_)
             | Self::Threads(..) => Fault::Work,
         }
     }

@@ -161,6 +161,25 @@ fn the_same_bytes_on_any_number_of_threads() {
 }
 
 #[test]
+fn without_a_finer_copy_none_is_made_for_the_preset_either() {
+    let place = Place::new();
+    place.write("sheet.obj", sheet(|u, v| [u, v]));
+    for (name, field) in [("plain", ""), ("auto", ", refine: Auto")] {
+        place.write(&format!("{name}.ron"), format!("Wrinkle(creases: 3, thickness: 0.3{field})"));
+        place.run(&format!("bake-map {name}.ron sheet.obj -o {name} --size 64 --no-refine")).expect(0);
+    }
+    let picture = |name: &str| place.read(&format!("{name}_height.png"));
+    assert_eq!(picture("auto"), picture("plain"));
+    let done = place.run("bake-map auto.ron sheet.obj -o maps/ --size 64").expect(0);
+    assert!(
+        done.err().contains("maps/sheet_normal.png, maps/sheet_height.png, maps/sheet_map.json"),
+        "{}",
+        done.err()
+    );
+    assert!(!done.err().contains("[coarse]"), "{}", done.err());
+}
+
+#[test]
 fn what_cannot_be_is_refused_and_nothing_is_written() {
     let place = Place::new();
     place.write("bare.obj", "o bare\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n");
@@ -170,6 +189,7 @@ fn what_cannot_be_is_refused_and_nothing_is_written() {
         ("bare.obj -o out", 3, "mesh bare has no TEXCOORD_0"),
         ("-o out --uv 3", 4, "mesh lift has no TEXCOORD_3"),
         ("-o none/out", 1, "no such folder"),
+        ("-o lift.ron/out", 1, "lift.ron: found a file, expected a folder"),
         ("-o out --size 9000", 2, "1 to 8192"),
         ("-o out --size 0x4", 2, "1 to 8192"),
         ("-o out --samples 9", 2, "9"),

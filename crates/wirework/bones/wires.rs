@@ -49,8 +49,10 @@ impl Film<'_> {
     ) -> Result<Animated, JobError> {
         let net = self.motion.is_net();
         let typed = self.motion.effects().first().and_then(|effect| effect.typed.listed("wires"));
-        let Some(stage) = self.motion.evaluation.lone_wires() else { return Err(not_alone()) };
-        let Some(deform) = stage.drawn().cloned() else { return Err(not_alone()) };
+        let Some(stage) = self.motion.evaluation.lone_wires() else {
+            return Err(not_alone(self.motion.effects()));
+        };
+        let Some(deform) = stage.drawn().cloned() else { return Err(not_alone(self.motion.effects())) };
         let name = |wire: usize| match typed {
             // The wires of a `WireLattice` are many in one place.
             Some(typed) if typed != deform.wires.len() => format!("wire {wire}"),

@@ -211,6 +211,10 @@ fn prepare(job: &MapJob<'_>, source: &Source<'_>, target: &MapTarget) -> Result<
     let ground = Ground::of(job, &subject, &mut warnings)?;
     let (subject, lineage) = finer(job, subject, &effects, span, &ground, &mut warnings)?;
     let effects = if lineage.is_some() { settled(effects, &frame) } else { effects };
+    // The copy is as fine as it is to be, and without one a map is for the triangles that there are.
+    let asked = |effect: &Effect| effect.refine && lineage.is_none() && job.refine;
+    let effects = effects.into_iter().map(|effect| Effect { refine: asked(&effect), ..effect });
+    let effects: Vec<Effect> = effects.collect();
     let (subject, fit, refinement) =
         fit(subject, &effects, (span, job.preset.duration), (source.folder(), &job.limits))?;
     warnings.extend(refinement.warnings);
@@ -218,14 +222,10 @@ fn prepare(job: &MapJob<'_>, source: &Source<'_>, target: &MapTarget) -> Result<
     Ok(Prepared { effects, ground, lineage, subject, fit, clip, length, warnings })
 }
 
-/// Effects on a finer copy: they need no other, and count in parts of the model that it is of.
+/// Effects on a finer copy count in parts of the model that it is of.
 fn settled(effects: Vec<Effect>, frame: &BoundsFrame) -> Vec<Effect> {
-    let one = |effect: Effect| {
-        let effect =
-            if has_extent(frame) { Effect { units: Units::Metres, ..effect.placed(frame) } } else { effect };
-        Effect { refine: false, ..effect }
-    };
-    effects.into_iter().map(one).collect()
+    let one = |effect: Effect| Effect { units: Units::Metres, ..effect.placed(frame) };
+    if has_extent(frame) { effects.into_iter().map(one).collect() } else { effects }
 }
 
 /// Refuses limbs of a model's own skin: they move the model, not its surface.
@@ -304,6 +304,7 @@ fn write(job: &MapJob<'_>, target: &MapTarget, maps: &Maps, report: &mut MapRepo
     let name = |file: &OutputFile| file.path.file_name().map(|name| name.to_string_lossy().into_owned());
     report.files = files.iter().filter_map(name).collect();
     files.push(target.file("map.json", report.to_json().into_bytes()));
+    report.paths = files.iter().map(|file| file.path.clone()).collect();
     if !job.dry_run {
         write_files(&files)?;
     }

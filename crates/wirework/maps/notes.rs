@@ -1,5 +1,7 @@
 //! What is told of maps: in a report, and beside them for engines.
 
+use std::path::PathBuf;
+
 use serde::Serialize;
 use wirework_bake::map::Maps;
 
@@ -18,6 +20,9 @@ pub struct MapReport {
     pub green: &'static str,
     /// The files, without this one: normals, heights, masks.
     pub files: Vec<String>,
+    /// Where all files are, this one at the end.
+    #[serde(skip)]
+    pub paths: Vec<PathBuf>,
     /// What the numbers of the height map stand for.
     pub height: MapHeight,
     /// The meshes that the maps are for.
