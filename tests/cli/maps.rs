@@ -180,6 +180,28 @@ fn without_a_finer_copy_none_is_made_for_the_preset_either() {
 }
 
 #[test]
+fn a_weld_that_cuts_borders_is_refused_at_its_place() {
+    let place = Place::new();
+    let corners = "vt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nf 1/1 4/4 3/3 2/2\n";
+    place.write("left.obj", format!("v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\n{corners}"));
+    let corners = "vt 0.5 0\nvt 1 0\nvt 1 1\nvt 0.5 1\nvt 0.5 0.3\nf 1/1 5/5 4/4 3/3 2/2\n";
+    place.write("right.obj", format!("v 2 0 0\nv 3 0 0\nv 3 0 1\nv 2 0 1\nv 2 0 0.3\n{corners}"));
+    let sewn = |weld: bool| {
+        format!(
+            "Stitch(patches: [Piece(name: \"l\", object: File(\"left.obj\")), Piece(name: \"r\", object: File(\"right.obj\"))],
+    seams: [Seam(a: Edge(piece: \"l\", from: (1, 0, 0), to: (1, 0, 1)), b: Edge(piece: \"r\", from: (2, 0, 0), to: (2, 0, 1)),
+        weld: {weld})])"
+        )
+    };
+    place.write("weld.ron", sewn(true));
+    let told = place.run("bake-map weld.ron -o out --size 64").expect(4).err();
+    assert!(told.contains("weld.ron:3:15") && told.contains("expected `weld: false`"), "{told}");
+    assert_eq!(place.files(), ["left.obj", "lift.ron", "right.obj", "weld.ron"]);
+    place.write("weld.ron", sewn(false));
+    place.run("bake-map weld.ron -o out --size 64").expect(0);
+}
+
+#[test]
 fn what_cannot_be_is_refused_and_nothing_is_written() {
     let place = Place::new();
     place.write("bare.obj", "o bare\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n");

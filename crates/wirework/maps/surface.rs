@@ -2,6 +2,7 @@
 
 use wirework_asset::Rest;
 use wirework_bake::map::{Corner, Surface, Triangle, turned};
+use wirework_preset::{Action, Effect, PresetErrorKind};
 use wirework_surface::smooth_normals;
 
 use crate::JobError;
@@ -50,6 +51,24 @@ fn normals(rest: &Rest) -> Vec<[f32; 3]> {
     out
 }
 
+/// Refuses a seam that cuts borders, at its place.
+fn cut(effects: &[Effect]) -> JobError {
+    let message = "a weld that cuts borders changes the triangles, and a map is for those that the model has: found `weld: true`, \
+                   expected `weld: false`";
+    let weld = |effect: &Effect| match &effect.action {
+        Action::Stitch(stitching) => stitching.stitch.seams.iter().position(|seam| seam.weld),
+        _ => None,
+    };
+    match effects.iter().find_map(|effect| Some((effect, weld(effect)?))) {
+        Some((effect, seam)) => {
+            let place = format!("seams[{seam}].weld");
+            let error = effect.typed.error(&place, PresetErrorKind::Value, message, None);
+            JobError::Preset(Box::new(error))
+        }
+        None => JobError::Request(message.to_owned()),
+    }
+}
+
 /// Puts the surface together, of the parts that anything has moved in, and tells which meshes these are.
 pub(crate) fn surface(
     job: &MapJob<'_>,
@@ -65,13 +84,7 @@ pub(crate) fn surface(
     let lineage = match lineage {
         Some(lineage) => lineage,
         None if same => (0..rest.triangles.len() as u32).map(|t| t..t + 1).collect(),
-        None => {
-            return Err(JobError::Request(
-                "an effect cuts the model's borders to weld them: found `weld: true`, expected a model whose \
-                 triangles stay, for a map is made for those"
-                    .to_owned(),
-            ));
-        }
+        None => return Err(cut(&job.preset.effects)),
     };
     let mut out = Surface { shares: vec![Vec::new(); groups.map_or(0, Groups::len)], ..Surface::default() };
     let is_moved = |mapped: &&Mapped| {
