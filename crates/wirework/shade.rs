@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use wirework_asset::Rest;
 use wirework_surface::{
-    Corner, Mesh, MeshError, Normals, NormalsBuffer, NormalsError, Tangents, TangentsBuffer,
+    Corner, Mesh, MeshError, Normals, NormalsBuffer, NormalsError, Tangents, TangentsBuffer, smooth_normals,
 };
 
 use crate::joints::Joints;
@@ -169,6 +169,24 @@ impl Vertices {
     pub(crate) fn tangents(&self) -> Option<&[[f32; 3]]> {
         self.shading.as_ref()?.tangents.as_ref().map(|tangents| tangents.now.as_slice())
     }
+}
+
+/// The unit normals of a scene at rest: its own, smooth ones where it has none, and 0 where nothing has any.
+pub(crate) fn rest_normals(rest: &Rest) -> Vec<[f32; 3]> {
+    let mut out = vec![[0.0; 3]; rest.positions.len()];
+    for block in &rest.blocks {
+        let slots = out.get_mut(block.first..block.first + block.count);
+        if let (Some(own), Some(slots)) = (&block.normals, slots) {
+            slots.copy_from_slice(own);
+        }
+    }
+    if out.contains(&[0.0; 3]) {
+        let smooth = smooth_normals(&rest.positions, &rest.triangles);
+        for (normal, smooth) in out.iter_mut().zip(smooth).filter(|(normal, _)| **normal == [0.0; 3]) {
+            *normal = smooth;
+        }
+    }
+    out
 }
 
 /// A mesh whose every normal belongs to one position, and its normals as vertices.

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use wirework_asset::{Flat, Format, FrameStore, MadeFile, OutputFile, Rest};
+use wirework_asset::{Flat, Format, FrameStore, MadeFile, OutputFile};
 use wirework_bake::{Vat, VatClip, VatFormat, VatLayout, VatNormals, VatRange, remap_info};
-use wirework_surface::smooth_normals;
 
 use crate::output::Scene;
+use crate::shade::rest_normals;
 use crate::{JobError, Schedule};
 
 /// A clip whose last frame is as near to its first as this part of all that moves goes round without a jump.
@@ -131,7 +131,10 @@ impl Texture {
         let looping = frames > 1 && apart <= SEAMLESS * reach;
         let info = remap_info(&range, frames, &VatClip { name: "wirework", fps, looping });
         let uvs: Vec<[f32; 2]> = (0..rest.positions.len()).map(|i| layout.uv(i)).collect();
-        let flat = gltf.flat(rest, &Flat { normals: &rest_normals(rest), uvs: &uvs })?;
+        let mut normals = rest_normals(rest);
+        // A file's normals are never 0.
+        normals.iter_mut().filter(|normal| **normal == [0.0; 3]).for_each(|normal| *normal = [0.0, 1.0, 0.0]);
+        let flat = gltf.flat(rest, &Flat { normals: &normals, uvs: &uvs })?;
         let file = wirework_asset::printable(gltf.file());
         let warnings = flat.warnings().iter().map(|warning| format!("{file}: {warning}")).collect();
         let mut files = flat.into_files(&names.model(), Format::Glb)?;
@@ -158,24 +161,6 @@ impl Texture {
         let (folder, rounding) = (self.names.folder.clone(), self.vat.rounding());
         VatFacts { folder, size: [width, height], vertices, frames, rounding }
     }
-}
-
-/// Unit normals of a scene at rest; smooth ones where it has none.
-fn rest_normals(rest: &Rest) -> Vec<[f32; 3]> {
-    let mut out = vec![[0.0; 3]; rest.positions.len()];
-    for block in &rest.blocks {
-        let slots = out.get_mut(block.first..block.first + block.count);
-        if let (Some(own), Some(slots)) = (&block.normals, slots) {
-            slots.copy_from_slice(own);
-        }
-    }
-    if out.contains(&[0.0; 3]) {
-        let smooth = smooth_normals(&rest.positions, &rest.triangles);
-        for (normal, own) in out.iter_mut().zip(smooth).filter(|(normal, _)| **normal == [0.0; 3]) {
-            *normal = if own == [0.0; 3] { [0.0, 1.0, 0.0] } else { own };
-        }
-    }
-    out
 }
 
 #[cfg(test)]

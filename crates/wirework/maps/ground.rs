@@ -2,11 +2,11 @@
 
 use wirework_asset::{Gltf, Part, Rest, printable};
 use wirework_bake::map::{Corner, tangents};
-use wirework_surface::smooth_normals;
 
 use crate::maps::job::MapJob;
 use crate::maps::notes::MapMesh;
 use crate::output::Scene;
+use crate::shade::rest_normals;
 use crate::subject::Origin;
 use crate::{JobError, Subject};
 
@@ -37,7 +37,14 @@ impl Ground {
         warnings: &mut Vec<String>,
     ) -> Result<Self, JobError> {
         let scene = Scene::new(subject.model.clone(), subject.point_of.clone(), &job.limits)?;
-        let normals = normals(&scene, subject, warnings);
+        let unshaded = scene.rest.blocks.iter().any(|block| block.normals.is_none());
+        if unshaded && scene.rest.parts.iter().any(|part| part.triangle_count > 0) {
+            warnings.push(
+                "the model has no normals, and viewers shade it flat; the map is for smooth ones [map-normals]"
+                    .to_owned(),
+            );
+        }
+        let normals = rest_normals(&scene.rest);
         let asked = asked(job, &scene)?;
         let (mut parts, mut bare) = (Vec::new(), Vec::new());
         for index in asked {
@@ -126,33 +133,6 @@ pub(crate) fn triangles<'a>(rest: &'a Rest, part: &Part) -> &'a [[u32; 3]] {
 pub(crate) fn mesh_name(gltf: &Gltf, part: &Part) -> String {
     let name = gltf.mesh_name(part.mesh).or_else(|| gltf.node_name(part.node));
     name.map_or_else(|| part.mesh.to_string(), str::to_owned)
-}
-
-/// Normals of all vertices: the model's own, or smooth ones.
-fn normals(scene: &Scene, subject: &Subject, warnings: &mut Vec<String>) -> Vec<[f32; 3]> {
-    let rest = &scene.rest;
-    let mut out = vec![[0.0; 3]; rest.positions.len()];
-    let mut smooth = Vec::new();
-    for block in &rest.blocks {
-        let slots = &mut out[block.first..block.first + block.count];
-        if let Some(own) = &block.normals {
-            slots.copy_from_slice(own);
-            continue;
-        }
-        if smooth.is_empty() {
-            smooth = smooth_normals(&subject.points, &subject.triangles);
-            if rest.parts.iter().any(|part| part.triangle_count > 0) {
-                warnings.push(
-                    "the model has no normals, and viewers shade it flat; the map is for smooth ones [map-normals]"
-                        .to_owned(),
-                );
-            }
-        }
-        for (slot, &point) in slots.iter_mut().zip(&scene.point_of[block.first..]) {
-            *slot = smooth.get(point as usize).copied().unwrap_or_default();
-        }
-    }
-    out
 }
 
 /// The parts with triangles that the job asks for.

@@ -1,9 +1,7 @@
 //! The surface that maps are made of: fine triangles, what moves them, and the faces they lie on.
 
-use wirework_asset::Rest;
 use wirework_bake::map::{Corner, Surface, Triangle, turned};
 use wirework_preset::{Action, Effect, PresetErrorKind};
-use wirework_surface::smooth_normals;
 
 use crate::JobError;
 use crate::maps::finer::Lineage;
@@ -13,6 +11,7 @@ use crate::maps::job::MapJob;
 use crate::maps::notes::MapMesh;
 use crate::motion::Motion;
 use crate::output::Scene;
+use crate::shade::rest_normals;
 use crate::weld::{bits, spread};
 
 /// What has become of the vertices of a fine scene.
@@ -31,24 +30,9 @@ impl Moved {
             if bits(*now) == bits(*rest) { [0.0; 3] } else { [0, 1, 2].map(|k| now[k] - rest[k]) }
         };
         let ways: Vec<[f32; 3]> = positions.iter().zip(&rest.positions).map(way).collect();
-        let turned = turned(&rest.positions, &normals(rest), &rest.triangles, &ways);
+        let turned = turned(&rest.positions, &rest_normals(rest), &rest.triangles, &ways);
         Self { positions, ways, turned }
     }
-}
-
-/// Normals of all vertices: their own, or those of the triangles round each.
-fn normals(rest: &Rest) -> Vec<[f32; 3]> {
-    let mut out = if rest.blocks.iter().any(|block| block.normals.is_none()) {
-        smooth_normals(&rest.positions, &rest.triangles)
-    } else {
-        vec![[0.0; 3]; rest.positions.len()]
-    };
-    for block in &rest.blocks {
-        if let Some(own) = &block.normals {
-            out[block.first..block.first + block.count].copy_from_slice(own);
-        }
-    }
-    out
 }
 
 /// Refuses a seam that cuts borders, at its place.
