@@ -1,4 +1,4 @@
-//! A limb, or wires that only translate, as a skeleton: tracks of joints, which any engine plays, in the place of morph targets.
+//! Limbs, or wires that only translate, as a skeleton: tracks of joints, which any engine plays, in the place of morph targets.
 //!
 //! Where the chain is one of the model's own, its joints are taken to where the limb has them: each turned and stretched as the middle of
 //! its bone is; or, where there are more joints between them, each as the curve is where it lies. A chain that stands in the
@@ -23,7 +23,7 @@ use wirework_asset::{Clip, Format, Gltf, Rest, printable};
 use wirework_bake::{Bone, BoneBaker, World};
 use wirework_core::{Station, Wire};
 use wirework_ik::BoneFrame;
-use wirework_preset::{Action, Effect};
+use wirework_preset::{Action, Chain, Effect};
 
 use crate::film::{Film, Product, find_clip, new_clip};
 use crate::limbs::Reach;
@@ -34,7 +34,7 @@ use crate::{Job, JobError, Progress, Skeleton};
 /// Nothing above a joint.
 const WORLD: World = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
 
-/// A model whose joints a limb moves.
+/// A model whose joints limbs move.
 struct Rigged {
     gltf: Gltf,
     rest: Rest,
@@ -51,6 +51,8 @@ struct Joint {
     node: usize,
     /// The joint that it hangs on, one before it.
     parent: Option<usize>,
+    /// The number of the limb; joints of one are in a row.
+    limb: usize,
     by: By,
 }
 
@@ -91,8 +93,8 @@ impl Film<'_> {
         let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
         let start = Instant::now();
         let still = rest.clone();
-        let animated = if self.motion.evaluation.lone_limb().is_some() {
-            self.limb(job, gltf, rest, &point_of)
+        let animated = if self.motion.evaluation.lone_limbs().is_some() {
+            self.limbs(job, gltf, rest, &point_of)
         } else {
             self.wires(job, gltf, &rest, &point_of)
         };
@@ -112,40 +114,60 @@ impl Film<'_> {
         Ok(Product { files, warnings, clip, skeleton: Some(skeleton), engines, ..Product::default() })
     }
 
-    /// The model with the joints of a limb: its own, or made for it.
-    fn limb(
+    /// The model with the joints of limbs: its own, or made for one.
+    fn limbs(
         &mut self,
         job: &Job<'_>,
         gltf: Gltf,
         rest: Rest,
         point_of: &[u32],
     ) -> Result<Animated, JobError> {
-        let Some((reach, _, factors)) = self.motion.evaluation.lone_limb() else {
-            return Err(not_alone(self.motion.effects()));
-        };
-        let Rigged { gltf, rest, joints, made, shown } = if reach.nodes().is_empty() {
-            rig::make(gltf, &rest, reach.rest(), (factors, point_of), job.joints)?
-        } else {
-            rig::split(gltf, rest, reach, job.joints)?
+        let Some(limbs) = self.motion.evaluation.lone_limbs() else { return Err(self.not_alone()) };
+        let reaches: Vec<&Reach> = limbs.iter().map(|(reach, _)| *reach).collect();
+        let is_made = |reach: &Reach| reach.nodes().is_empty();
+        let Rigged { gltf, rest, joints, made, shown } = match reaches.as_slice() {
+            [reach] if is_made(reach) => {
+                let factors = self.motion.evaluation.first_factors();
+                rig::make(gltf, &rest, reach.rest(), (factors, point_of), job.joints)?
+            }
+            reaches if reaches.iter().any(|reach| is_made(reach)) => return Err(self.not_alone()),
+            reaches => rig::split_all(gltf, rest, reaches, job.joints)?,
         };
         let bone = |joint: &Joint| Bone { node: joint.node, parent: joint.parent };
         let mut baker = BoneBaker::new(&joints.iter().map(bone).collect::<Vec<_>>());
-        let outside = joints.first().and_then(|root| gltf.parent(root.node));
         let still = gltf.player(&rest, None)?;
         for (_, seconds) in self.schedule.moments() {
             self.motion.at(seconds)?;
             let evaluation = &self.motion.evaluation;
-            let Some((reach, wire, _)) = evaluation.lone_limb() else {
-                return Err(not_alone(self.motion.effects()));
-            };
+            let Some(limbs) = evaluation.lone_limbs() else { return Err(self.not_alone()) };
             let player = evaluation.posing().map_or(&still, |posing| posing.player());
             let world = |node: usize| player.node_transform(node).unwrap_or(WORLD);
-            let joints = places(&joints, (reach, wire), seconds, world);
-            baker.push(seconds, &outside.map_or(WORLD, world), &joints)?;
+            let above = |node: usize| gltf.parent(node).map_or(WORLD, world);
+            let places: Vec<World> = joints
+                .chunk_by(|a, b| a.limb == b.limb)
+                .flat_map(|own| places(own, limbs[own[0].limb], seconds, world))
+                .collect();
+            baker.push(seconds, above, &places)?;
         }
         drop(still);
         let skeleton = Skeleton { joints: joints.len(), made, ..Skeleton::default() };
         Ok(Animated { gltf, rest, shown, baker, skeleton, warnings: Vec::new() })
+    }
+
+    /// Refuses what no skeleton can do.
+    fn not_alone(&self) -> JobError {
+        let name = |effect: &Effect| match &effect.action {
+            Action::Deform(_) => "`Deform`",
+            Action::Wrinkle(_) => "`Wrinkle`",
+            Action::Stitch(_) => "`Stitch`",
+            Action::Ik(limb) if matches!(limb.chain, Chain::Skin { .. }) => "`Ik` of `Skin`",
+            Action::Ik(_) => "`Ik` of `Joints`",
+        };
+        let found: Vec<&str> = self.motion.effects().iter().map(name).collect();
+        let found = if found.is_empty() { "no effect".to_owned() } else { found.join(", ") };
+        refused(&format!(
+            "found {found}, expected one `Ik`, or more of them if all are of `Skin`, or one `Deform` whose wires only move, and nothing else"
+        ))
     }
 
     /// How far what an engine plays is from the effect itself, which moves the vertices of `still`; `from` says which of them each one is.
@@ -223,21 +245,7 @@ fn check_unmoved(gltf: &Gltf, nodes: &[usize]) -> Result<(), JobError> {
     Ok(())
 }
 
-fn not_alone(effects: &[Effect]) -> JobError {
-    let name = |effect: &Effect| match &effect.action {
-        Action::Deform(_) => "`Deform`",
-        Action::Wrinkle(_) => "`Wrinkle`",
-        Action::Stitch(_) => "`Stitch`",
-        Action::Ik(_) => "`Ik`",
-    };
-    let found: Vec<&str> = effects.iter().map(name).collect();
-    let found = if found.is_empty() { "no effect".to_owned() } else { found.join(", ") };
-    refused(&format!(
-        "found {found}, expected one `Ik`, or one `Deform` whose wires only move, and nothing else"
-    ))
-}
-
-/// Where joints are to be at a time, to which `wire` has been brought; `world` is where nodes are then without the limb.
+/// Where joints of a limb are to be at a time, to which `wire` has been brought; `world` is where nodes are then without the limb.
 fn places(
     joints: &[Joint],
     (reach, wire): (&Reach, &Wire),

@@ -119,11 +119,16 @@ impl<'a> Evaluation<'a> {
         self.limbs().any(Reach::watches)
     }
 
-    /// The limb that is all there is, its wire at the moment that was last worked out, and what multiplies its influence at each point; none
-    /// where there are other effects.
-    pub(crate) fn lone_limb(&self) -> Option<(&Reach, &Wire, Option<&[f32]>)> {
-        let [stage] = self.stages.as_slice() else { return None };
-        Some((stage.reach()?, stage.wires.first()?, stage.factors()))
+    /// The limbs that are all there is, each with its wire at the moment that was last worked out; none where there are other effects, or
+    /// no effects.
+    pub(crate) fn lone_limbs(&self) -> Option<Vec<(&Reach, &Wire)>> {
+        let limb = |stage| Some((Stage::reach(stage)?, stage.wires.first()?));
+        self.stages.iter().map(limb).collect::<Option<Vec<_>>>().filter(|limbs| !limbs.is_empty())
+    }
+
+    /// What multiplies the influence of the first effect at each point.
+    pub(crate) fn first_factors(&self) -> Option<&[f32]> {
+        self.stages.first().and_then(Stage::factors)
     }
 
     /// The `Deform` that is all there is.

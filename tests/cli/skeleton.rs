@@ -286,6 +286,84 @@ fn bones_that_only_turn_are_exact_between_joints() {
     }
 }
 
+/// The sleeve on a body in its middle and an arm to each side, with a clip in which the body turns.
+fn two_arms() -> Gltf {
+    let mut gltf = bare();
+    let rest = gltf.rest().unwrap();
+    let joint = |name, parent, x: f32| NewJoint::at(name, parent, [x, 0.0, 0.0]);
+    let joints = [
+        joint("body", None, 0.85),
+        joint("upper.r", Some(0), 0.25),
+        joint("lower.r", Some(1), 0.5),
+        joint("hand.r", Some(2), 0.5),
+        joint("upper.l", Some(0), -0.25),
+        joint("lower.l", Some(4), -0.5),
+        joint("hand.l", Some(5), -0.5),
+    ];
+    let (mut indices, mut weights) = (Vec::new(), Vec::new());
+    for [x, ..] in &rest.positions {
+        let along = (x - 0.85).abs() + 1e-4;
+        let border = ((along - 0.25) / 0.5).round().clamp(0.0, 2.0);
+        let part = ((along - 0.25 - 0.5 * border) / 0.2 + 0.5).clamp(0.0, 1.0);
+        let side = |joint: f32| if joint > 0.0 && *x < 0.85 { joint as u16 + 3 } else { joint as u16 };
+        indices.extend([side(border), side(border + 1.0)]);
+        weights.extend([1.0 - part, part]);
+    }
+    let skin = NewSkin { name: "arms", joints: &joints, each: 2, indices: &indices, weights: &weights };
+    gltf.add_skin(&rest, &[0], &skin).unwrap();
+    let turn = |angle: f32| [0.0, (angle / 2.0).sin(), 0.0, (angle / 2.0).cos()];
+    let node = (0..9).find(|&node| gltf.node_name(node) == Some("body")).unwrap();
+    let rotations = vec![turn(0.0), turn(0.3), turn(-0.2)];
+    let joints = [JointTrack { node, rotations, ..JointTrack::default() }];
+    let tracks = Tracks { times: &[0.0, 0.5, 1.0], joints: &joints, ..Tracks::default() };
+    gltf.add_tracks(&Clip::New("turn".into()), &tracks).unwrap();
+    gltf
+}
+
+#[test]
+fn two_limbs_are_one_skeleton() {
+    let place = Place::new();
+    place.write("arms.glb", two_arms().to_glb().unwrap());
+    let reach = |side: &str, [from, to]: [&str; 2]| {
+        format!(
+            "Ik(chain: Skin(root: \"upper.{side}\", tip: \"hand.{side}\"), influence: SkinWeights, elasticity: 0.4,
+                goal: Keys([(0, {from}), (1, {to})]))"
+        )
+    };
+    let right = reach("r", ["(2.1, 0, 0)", "(1.5, 0.6, 0.3)"]);
+    let left = reach("l", ["(-0.4, 0, 0)", "(-0.7, 0.3, -0.5)"]);
+    place.write("limb.ron", &right);
+    let rest = place.frame_of("arms.glb", 0);
+    for joints in [0, 3] {
+        let options = format!("--joints {joints}");
+        let [of_left, of_right] = [&left, &right].map(|preset| {
+            place.write("limb.ron", preset);
+            let told = place.skeleton("arms.glb", &options);
+            let glb = place.read("out.glb");
+            (told, (0..=FPS).map(|frame| played(&glb, 1, frame as f64 / FPS as f64)).collect::<Vec<_>>())
+        });
+        place.write("limb.ron", format!("Stack([{left}, {right}])"));
+        let told = place.skeleton("arms.glb", &options);
+        for field in ["joints", "made"] {
+            let [a, b, both] = [&of_left.0, &of_right.0, &told].map(|told| told[field].as_u64().unwrap());
+            assert_eq!(both, a + b, "{field}");
+        }
+        let residual = assert_told(&told, place.residual("arms.glb", 1));
+        let alone = [&of_left.0, &of_right.0].map(|told| told["residual"].as_f64().unwrap());
+        assert!((residual - alone[0].max(alone[1])).abs() < 1e-5, "{residual}, alone {alone:?}");
+        // Each side is as its limb alone has it.
+        let glb = place.read("out.glb");
+        for frame in 0..=FPS {
+            let both = played(&glb, 1, frame as f64 / FPS as f64);
+            for (v, place) in both.iter().enumerate() {
+                let own = if rest[v].x < 0.85 { &of_left.1 } else { &of_right.1 };
+                let off = own[frame][v].distance(*place);
+                assert!(off < 1e-5, "{joints} joints, frame {frame}, vertex {v}: {off}");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_hangs_below_the_chain_goes_where_the_limb_takes_it() {
     let Some(path) = shared("rigged/robot.glb") else { return };
@@ -310,22 +388,28 @@ fn what_no_skeleton_can_do_is_refused() {
     let lift = "Deform(wires: [Wire(curve: Polyline(points: [(-1, 0, 0), (1, 0, 0)]), radius: 0.5, \
                 pose: Keys([(0, [(-1, 0, 0), (1, 0, 0)]), (1, [(-1, 0.5, 0), (1, 0.5, 0)])]))])";
     let folds = "Wrinkle(creases: 2)";
+    let own = limb(OWN, "");
     let limb = limb(MADE, "");
     for (name, preset, found) in [
         ("folds.ron", folds.to_owned(), "`Wrinkle`"),
-        ("stack.ron", format!("Stack([{limb}, {lift}])"), "`Ik`, `Deform`"),
-        ("before.ron", format!("Stack([{lift}, {limb}])"), "`Deform`, `Ik`"),
-        ("two.ron", format!("Stack([{limb}, {limb}])"), "`Ik`, `Ik`"),
+        ("stack.ron", format!("Stack([{limb}, {lift}])"), "`Ik` of `Joints`, `Deform`"),
+        ("before.ron", format!("Stack([{lift}, {limb}])"), "`Deform`, `Ik` of `Joints`"),
+        ("two.ron", format!("Stack([{limb}, {limb}])"), "`Ik` of `Joints`, `Ik` of `Joints`"),
+        ("mixed.ron", format!("Stack([{own}, {limb}])"), "`Ik` of `Skin`, `Ik` of `Joints`"),
     ] {
         place.write(name, preset);
         let told =
             place.run(&format!("apply {name} arm.glb -o out.glb --bake skin --frames 0..3")).expect(2).err();
         let said = format!(
-            "found {found}, expected one `Ik`, or one `Deform` whose wires only move, and nothing else"
+            "found {found}, expected one `Ik`, or more of them if all are of `Skin`, or one `Deform`"
         );
         assert!(told.contains(&said), "{name}: {told}");
         assert!(!place.files().contains(&"out.glb".to_owned()), "{name}");
     }
+    let forearm = own.replace("root: \"upper\"", "root: \"lower\"").replace("(2, 0, 0)", "(2, 0, 0.1)");
+    place.write("limb.ron", format!("Stack([{own}, {forearm}])"));
+    let told = place.run("apply limb.ron arm.glb -o out.glb --bake skin").expect(2).err();
+    assert!(told.contains("limbs 0 and 1 both take joint \"lower\" along"), "{told}");
     place.write("limb.ron", &limb);
     // What has a skin of its own gets no second one.
     let told = place.run("apply limb.ron arm.glb -o out.glb --bake skin").expect(3).err();

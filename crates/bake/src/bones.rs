@@ -40,14 +40,19 @@ impl BoneBaker {
         Self { times: Vec::new(), bones: bones.to_vec(), tracks: bones.iter().map(track).collect() }
     }
 
-    /// Takes the next frame: its time in seconds, where that is on which joints without a parent in the list hang, and where each joint
-    /// is to be.
+    /// Takes the next frame: its time in seconds, where that is on which a node hangs whose joint has no parent in the list, and where each
+    /// joint is to be.
     ///
     /// # Errors
     ///
     /// As many transforms as there are no joints; one without an inverse to start from, or that is not finite; times that do not rise;
     /// a joint before the one that it hangs on.
-    pub fn push(&mut self, time: f64, outside: &World, joints: &[World]) -> Result<(), BakeError> {
+    pub fn push(
+        &mut self,
+        time: f64,
+        outside: impl Fn(usize) -> World,
+        joints: &[World],
+    ) -> Result<(), BakeError> {
         let frame = self.times.len();
         let fault = |problem| Err(BakeError::Frame { frame, problem });
         if joints.len() != self.tracks.len() {
@@ -57,12 +62,11 @@ impl BoneBaker {
         if !(time.is_finite() && self.times.last().is_none_or(|last| *last < time)) {
             return fault("does not come after the one before it");
         }
-        let outside = affine(outside);
         let mut made: Vec<DAffine3> = Vec::with_capacity(joints.len());
         let mut all = Vec::with_capacity(joints.len());
         for (bone, joint) in self.bones.iter().zip(joints) {
             let above = match bone.parent.map(|parent| made.get(parent)) {
-                None => outside,
+                None => affine(&outside(bone.node)),
                 Some(Some(above)) => *above,
                 Some(None) => return fault("has a joint before the one that it hangs on"),
             };

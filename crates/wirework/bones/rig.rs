@@ -4,9 +4,11 @@
 //! below 1 leaves the rest of a vertex to a joint that stays. A chain of the model's own gets joints on its bones, on which hangs what
 //! hung on the joint where the bone begins, by arc length too.
 
+use std::collections::BTreeMap;
+
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
-use wirework_asset::{Gltf, Hung, Knot, NewJoint, NewSkin, Rest, Split};
+use wirework_asset::{Gltf, Hung, Knot, NewJoint, NewSkin, Rest, Split, printable};
 use wirework_bake::World;
 use wirework_core::{Curve, Foot};
 use wirework_ik::{Influence, Limb};
@@ -84,17 +86,54 @@ pub(super) fn make(
     let joint = |(i, (node, place)): (usize, (&usize, &f64))| Joint {
         node: *node,
         parent: i.checked_sub(1),
+        limb: 0,
         by: By::Curve(*place),
     };
     let joints: Vec<Joint> = nodes[first..].iter().zip(&places).enumerate().map(joint).collect();
     Ok(Rigged { gltf, rest, made: joints.len(), joints, shown })
 }
 
+/// The joints of the model's own chains, limb after limb.
+pub(super) fn split_all(
+    gltf: Gltf,
+    rest: Rest,
+    limbs: &[&Reach],
+    between: usize,
+) -> Result<Rigged, JobError> {
+    check_apart(&gltf, limbs)?;
+    let mut all = Rigged { gltf, rest, joints: Vec::new(), made: 0, shown: Vec::new() };
+    for (limb, reach) in limbs.iter().enumerate() {
+        let Rigged { gltf, rest, joints, made, shown } = split(all.gltf, all.rest, reach, between)?;
+        let first = all.joints.len();
+        let later = |joint: Joint| Joint { parent: joint.parent.map(|parent| first + parent), limb, ..joint };
+        all.joints.extend(joints.into_iter().map(later));
+        all = Rigged { gltf, rest, joints: all.joints, made: all.made + made, shown };
+    }
+    Ok(all)
+}
+
+/// Refuses limbs that carry the same joints: each starts from where the clip has them, and none takes the other along.
+fn check_apart(gltf: &Gltf, limbs: &[&Reach]) -> Result<(), JobError> {
+    let mut taken: BTreeMap<usize, usize> = BTreeMap::new();
+    for (limb, reach) in limbs.iter().enumerate() {
+        for own in carried(gltf, reach.nodes(), |_| (0.0, 0.0)) {
+            let Some(other) = taken.insert(own.node, limb) else { continue };
+            let name = gltf
+                .node_name(own.node)
+                .map_or_else(|| own.node.to_string(), |name| format!("{:?}", printable(name)));
+            return Err(super::refused(&format!(
+                "limbs {other} and {limb} both take joint {name} along, and expected are limbs of which none hangs below another"
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// The joints of the model's own chain, and what hangs on them; where `between` is not 0 with so many more to a bone.
 ///
 /// Whatever the chain's joints carry hangs on one of them, but the limb takes it along by where on its curve it is: so all joints
 /// below are taken along too, but for those that go where the one above them goes.
-pub(super) fn split(mut gltf: Gltf, rest: Rest, reach: &Reach, between: usize) -> Result<Rigged, JobError> {
+fn split(mut gltf: Gltf, rest: Rest, reach: &Reach, between: usize) -> Result<Rigged, JobError> {
     let still = gltf.player(&rest, None)?;
     let world = |node: usize| still.node_transform(node).unwrap_or(super::WORLD);
     let line = Line::new(reach.rest(), between);
@@ -124,7 +163,7 @@ pub(super) fn split(mut gltf: Gltf, rest: Rest, reach: &Reach, between: usize) -
         let mut this = None;
         if is_moved[k] {
             let by = bone(own).map_or(near(DVec3::ZERO, own.u), By::Bone);
-            joints.push(Joint { node: own.node, parent, by });
+            joints.push(Joint { node: own.node, parent, limb: 0, by });
             this = Some(joints.len() - 1);
         }
         places.push(this);
@@ -133,6 +172,7 @@ pub(super) fn split(mut gltf: Gltf, rest: Rest, reach: &Reach, between: usize) -
                 joints.push(Joint {
                     node: *node,
                     parent: Some(this),
+                    limb: 0,
                     by: near(DVec3::from_array(knot.at), *u),
                 });
             }

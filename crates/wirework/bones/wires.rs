@@ -15,7 +15,7 @@ use wirework_bake::{Bone, BoneBaker, World};
 use wirework_core::{Weights, WeightsError, Wire};
 use wirework_preset::{Deform, KeyedWire, PoseKeys};
 
-use super::{Animated, WORLD, check_unmoved, not_alone, refused};
+use super::{Animated, WORLD, check_unmoved, refused};
 use crate::error::count;
 use crate::film::Film;
 use crate::{Job, JobError, Schedule, Skeleton};
@@ -50,9 +50,9 @@ impl Film<'_> {
         let net = self.motion.is_net();
         let typed = self.motion.effects().first().and_then(|effect| effect.typed.listed("wires"));
         let Some(stage) = self.motion.evaluation.lone_wires() else {
-            return Err(not_alone(self.motion.effects()));
+            return Err(self.not_alone());
         };
-        let Some(deform) = stage.drawn().cloned() else { return Err(not_alone(self.motion.effects())) };
+        let Some(deform) = stage.drawn().cloned() else { return Err(self.not_alone()) };
         let name = |wire: usize| match typed {
             // The wires of a `WireLattice` are many in one place.
             Some(typed) if typed != deform.wires.len() => format!("wire {wire}"),
@@ -77,7 +77,7 @@ impl Film<'_> {
             let places = wires.iter().zip(&gains).flat_map(|(wire, gain)| places(wire, *gain));
             // Nothing to hang on: there are no joints.
             let places: Vec<World> = places.take(bones.len()).collect();
-            baker.push(key, &WORLD, &places)?;
+            baker.push(key, |_| WORLD, &places)?;
         }
         let joints = bones.len();
         let skeleton = Skeleton { joints, made: joints, influences, gains, ..Skeleton::default() };
