@@ -9,7 +9,7 @@
 //! | engine | bytes | why |
 //! |---|---|---|
 //! | three.js | `16 V T`, with normals `32 V T`; on JavaScript's heap `28 V T`, with normals `56 V T` | a target is a layer of an RGBA32F texture |
-//! | Bevy | `36 V T`; its main branch `48 V T` | 9 floats, whatever a target has |
+//! | Bevy | `48 V T`; up to 0.18, and without storage buffers, `36 V T` | 9 floats, and 3 for their alignment, whatever a target has |
 //! | Godot | `12 V` for each position, normal and tangent of each target | what is sparse becomes dense |
 //! | Blender | `12 V T` | shape keys are positions |
 //!
@@ -92,6 +92,14 @@ pub enum About {
     SharedVertices,
     /// Vertices on more than four joints.
     Influences,
+    /// How many joints a skin has.
+    Joints,
+    /// Meshes with targets and without normals.
+    Normals,
+    /// Kinds of primitives.
+    Primitives,
+    /// Names of nodes that clips move.
+    Nodes,
     /// A required extension.
     Extension,
     /// Accessors without data.
@@ -168,7 +176,7 @@ fn memory(sheet: &Sheet<'_>) -> Vec<EngineMemory> {
     let plain = |engine, bytes| EngineMemory { engine, bytes, heap_bytes: None };
     vec![
         three,
-        plain(BEVY, sum(&|primitive| 36 * targets(primitive))),
+        plain(BEVY, sum(&|primitive| 48 * targets(primitive))),
         plain(GODOT, sum(&|primitive| 12 * dense(primitive))),
         plain(BLENDER, sum(&|primitive| 12 * targets(primitive))),
         plain(BABYLON, None),
@@ -177,8 +185,8 @@ fn memory(sheet: &Sheet<'_>) -> Vec<EngineMemory> {
 }
 
 impl Engines {
-    /// What of this an effect has brought about, `before` being what was said of its input: targets that an engine does not take.
-    /// What else effects add is read everywhere, or told by those that add it.
+    /// What of this an effect has brought about, `before` being what was said of its input: targets that an engine does not take, or does
+    /// not play as they are meant. What else effects add is read everywhere, or told by those that add it.
     pub(crate) fn note(&self, before: &Self) -> Option<String> {
         let known = |finding: &Finding| -> BTreeSet<usize> {
             let same = before.findings.iter().filter(|known| {
@@ -187,10 +195,13 @@ impl Engines {
             });
             same.flat_map(|known| known.meshes.iter().copied()).collect()
         };
-        let of_targets = |finding: &&Finding| matches!(finding.about, About::Targets | About::Vertices);
+        let of_targets = |finding: &&Finding| {
+            matches!(finding.about, About::Targets | About::Vertices | About::Normals | About::Nodes)
+        };
         let new = |finding: &&Finding| {
             let known = known(finding);
             finding.meshes.iter().any(|mesh| !known.contains(mesh))
+                || finding.meshes.is_empty() && !before.findings.contains(finding)
         };
         let told: Vec<String> =
             self.findings.iter().filter(of_targets).filter(new).map(ToString::to_string).collect();

@@ -37,7 +37,7 @@ fn inspect_has_a_line_for_each_engine_and_one_for_each_finding() {
         rows(&table),
         [
             "three.js     ok: 120 morph targets, 11.5 kB, 20.2 kB of JavaScript's heap",
-            "Bevy         120 morph targets, 13.0 kB",
+            "Bevy         120 morph targets, 17.3 kB",
             "Bevy         refuses up to 0.17: mesh \"drop\" has 120 targets, it takes 64",
             "Godot        ok: 120 morph targets, 8.6 kB",
             "Blender      ok: 120 morph targets, 4.3 kB",

@@ -258,7 +258,7 @@ impl<'a> Hanging<'a> {
         if four > 0 {
             let hang = if four == 1 { "hangs" } else { "hang" };
             out.push(format!(
-                "{} {hang} on more than {ONE_SET} joints, up to {}: viewers that read {ONE_SET}, as three.js does, show them elsewhere; where \
+                "{} {hang} on more than {ONE_SET} joints, up to {}: viewers that read {ONE_SET}, as three.js and Bevy do, show them elsewhere; where \
                  wires do not meet, curves of degree 2 or 1 need no more [skin-influences]",
                 count(four, "point"),
                 self.most.min(MOST_INFLUENCES)

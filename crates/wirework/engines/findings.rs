@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use wirework_asset::printable;
+
 use super::sheet::{Mesh, Primitive, Sheet};
 use super::{About, BABYLON, BEVY, BLENDER, Finding, GODOT, PHONES, Severity, THREE, three_bytes};
 
@@ -54,15 +56,30 @@ const MOST: [Most; 5] = [
     },
 ];
 
-/// The vertices of a primitive that Bevy puts 9 floats of each into a texture of 2048 × 2048.
+/// The vertices of a primitive of which Bevy up to 0.18, and later where there are no storage buffers, puts 9 floats each into a texture of
+/// 2048 × 2048.
 const BEVY_VERTICES: u64 = 2048 * 2048 / 9;
 
 /// Required extensions that an engine does not read. Meshopt's have one name by their first maker and one by Khronos.
-const UNREAD: [(&str, &[&str]); 3] = [
-    (BEVY, &[QUANTIZATION, MESHOPT[0], MESHOPT[1], DRACO]),
-    (GODOT, &[QUANTIZATION, MESHOPT[0], MESHOPT[1], DRACO]),
-    (BLENDER, &MESHOPT),
+const UNREAD: [(&str, &[&str]); 2] =
+    [(GODOT, &[QUANTIZATION, MESHOPT[0], MESHOPT[1], DRACO]), (BLENDER, &MESHOPT)];
+
+/// Those that Bevy reads: it refuses all others.
+const BEVY_READS: [&str; 6] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_texture_transform",
 ];
+
+/// The joints of a skin that Bevy puts into a uniform buffer, where there is no other.
+const BEVY_JOINTS: usize = 256;
+
+/// Kinds of elements that Bevy does not read: `LINE_LOOP` and `TRIANGLE_FAN`.
+const BEVY_UNREAD_MODES: [usize; 2] = [2, 6];
+
 const QUANTIZATION: &str = "KHR_mesh_quantization";
 const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 const DRACO: &str = "KHR_draco_mesh_compression";
@@ -87,12 +104,18 @@ fn finding(
 }
 
 fn extensions(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
-    UNREAD.iter().filter_map(|(engine, unread)| {
-        let names: Vec<&str> = unread.iter().copied().filter(|name| sheet.required.contains(name)).collect();
-        let message = format!("the document requires {}", names.join(", "));
-        (!names.is_empty())
-            .then(|| finding((engine, None), Severity::Refuses, About::Extension, (Vec::new(), message)))
-    })
+    let required = || sheet.required.iter().copied();
+    let bevy: Vec<&str> = required().filter(|name| !BEVY_READS.contains(name)).collect();
+    let of_lists = UNREAD.iter().map(move |(engine, unread)| {
+        (*engine, required().filter(|name| unread.contains(name)).collect::<Vec<_>>())
+    });
+    std::iter::once((BEVY, bevy)).chain(of_lists).filter(|(_, names)| !names.is_empty()).map(
+        |(engine, names)| {
+            let names: Vec<String> = names.into_iter().map(printable).collect();
+            let message = format!("the document requires {}", names.join(", "));
+            finding((engine, None), Severity::Refuses, About::Extension, (Vec::new(), message))
+        },
+    )
 }
 
 /// Of accessors, clips and scenes.
@@ -117,6 +140,27 @@ fn parts(sheet: &Sheet<'_>) -> Vec<Finding> {
     add((BEVY, None), Severity::Refuses, About::Clips, ("animation", &sheet.nodeless_clips), what);
     let what = "has no list of nodes";
     add((BEVY, None), Severity::Refuses, About::Scenes, ("scene", &sheet.nodeless_scenes), what);
+    let crowded: Vec<usize> = sheet
+        .joints
+        .iter()
+        .enumerate()
+        .filter(|(_, joints)| **joints > BEVY_JOINTS)
+        .map(|(skin, _)| skin)
+        .collect();
+    let most = crowded.iter().map(|&skin| sheet.joints[skin]).max().unwrap_or(0);
+    let what = format!(
+        "has {most} joints, of which it shows {BEVY_JOINTS} where there are no storage buffers, as in WebGL2"
+    );
+    add((BEVY, None), Severity::Degrades, About::Joints, ("skin", &crowded), &what);
+    if let Some((first, others)) = sheet.twins.split_first() {
+        let nodes: Vec<String> = first.iter().map(ToString::to_string).collect();
+        let more = if others.is_empty() { String::new() } else { format!("; so with {} more", others.len()) };
+        let message = format!(
+            "nodes {} have the same names from the root on, by which it finds what clips move: each plays what is for the others{more}",
+            nodes.join(", ")
+        );
+        out.push(finding((BEVY, None), Severity::Degrades, About::Nodes, (Vec::new(), message)));
+    }
     out
 }
 
@@ -171,12 +215,26 @@ fn of_meshes(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
         |mesh| joints(mesh) as u64,
         |_| "may hang on more than four joints a vertex (JOINTS_1), it takes four".to_owned(),
     );
+    let count = |of: fn(&Primitive) -> bool| {
+        move |mesh: &Mesh| mesh.primitives.iter().filter(|primitive| of(primitive)).count() as u64
+    };
+    let bare = most(sheet, count(|primitive| primitive.bare && primitive.targets > 0), |_| {
+        "has targets, indices and no normals: it makes some, for which it copies vertices, and leaves targets as they were, so that these move \
+         others"
+            .to_owned()
+    });
+    let unread = most(sheet, count(|primitive| BEVY_UNREAD_MODES.contains(&primitive.mode)), |_| {
+        "has line loops or triangle fans".to_owned()
+    });
     let found = [
-        ((BEVY, None), Severity::Refuses, About::Vertices, vertices),
+        ((BEVY, Some("up to 0.18")), Severity::Refuses, About::Vertices, vertices),
+        ((BEVY, None), Severity::Degrades, About::Normals, bare),
+        ((BEVY, None), Severity::Refuses, About::Primitives, unread),
         ((BEVY, Some("in older versions")), Severity::Degrades, About::Weights, unweighted),
         ((BLENDER, Some("in some versions")), Severity::Refuses, About::UnequalTargets, unequal),
         ((GODOT, None), Severity::Degrades, About::Names, named),
-        ((THREE, None), Severity::Degrades, About::Influences, joints),
+        ((THREE, None), Severity::Degrades, About::Influences, joints.clone()),
+        ((BEVY, None), Severity::Degrades, About::Influences, joints),
     ];
     let told = |(engine, severity, about, told): (_, _, _, Option<_>)| {
         told.map(|told| finding(engine, severity, about, told))

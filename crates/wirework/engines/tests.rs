@@ -44,7 +44,7 @@ fn memory_is_that_of_the_table() {
         bytes,
         [
             ("three.js", Some(16 * a + 32 * b), Some(28 * a + 56 * b)),
-            ("Bevy", Some(36 * (a + b)), None),
+            ("Bevy", Some(48 * (a + b)), None),
             ("Godot", Some(12 * a + 24 * b), None),
             ("Blender", Some(12 * (a + b)), None),
             ("Babylon.js", None, None),
@@ -56,7 +56,7 @@ fn memory_is_that_of_the_table() {
     some["primitives"][0]["targets"][1] = json!({ "NORMAL": 1, "TANGENT": 1 });
     let some = of_json(&document(&[some]));
     let of = |engine: usize| some.memory[engine].bytes;
-    assert_eq!((of(0), of(1), of(2), of(3)), (Some(32 * 30), Some(36 * 30), Some(12 * 40), Some(12 * 30)));
+    assert_eq!((of(0), of(1), of(2), of(3)), (Some(32 * 30), Some(48 * 30), Some(12 * 40), Some(12 * 30)));
     let none = of_json(&document(&[mesh("a", 0, 0, &[])]));
     assert_eq!((none.targets, none.memory[0].bytes, none.findings.len()), (0, Some(0), 0));
 }
@@ -91,26 +91,45 @@ fn targets_beyond_a_limit_are_told_and_at_it_are_not() {
 
 #[test]
 fn what_else_is_found_of_meshes_is_told() {
-    let cases: [(Value, &str); 5] = [
+    let joints = "mesh \"drop\" may hang on more than four joints a vertex (JOINTS_1), it takes four";
+    let bare = "Bevy: mesh \"drop\" has targets, indices and no normals: it makes some, for which it copies vertices, and leaves targets as \
+                they were, so that these move others";
+    let of = |primitive: Value| json!({ "primitives": [primitive] });
+    let position = json!({ "POSITION": 1 });
+    let cases: [(Value, &[&str]); 11] = [
         (
             json!({ "weights": null }),
-            "Bevy in older versions: mesh \"drop\" has 3 targets and no list of weights",
+            &["Bevy in older versions: mesh \"drop\" has 3 targets and no list of weights"],
         ),
         (
             json!({ "extras": { "targetNames": ["a:b", "c", "d:"] } }),
-            "Godot: mesh \"drop\" has 2 names of targets with a colon, which it replaces",
+            &["Godot: mesh \"drop\" has 2 names of targets with a colon, which it replaces"],
         ),
         (
             json!({ "primitives": [{ "attributes": { "POSITION": 0 } }, { "attributes": { "POSITION": 1 }, "targets": [{}, {}] }] }),
-            "Blender in some versions: mesh \"drop\" has 2 targets more in one primitive than in another",
+            &["Blender in some versions: mesh \"drop\" has 2 targets more in one primitive than in another"],
         ),
         (
             json!({ "primitives": [{ "attributes": { "POSITION": 0, "JOINTS_1": 4 } }] }),
-            "three.js: mesh \"drop\" may hang on more than four joints a vertex (JOINTS_1), it takes four",
+            &[&format!("three.js: {joints}"), &format!("Bevy: {joints}")],
         ),
         (
             json!({ "primitives": [{ "attributes": { "POSITION": 2 }, "targets": [{ "POSITION": 0 }] }] }),
-            "Bevy: mesh \"drop\" has targets for 466034 vertices in a primitive, its textures take 466033",
+            &[
+                "Bevy up to 0.18: mesh \"drop\" has targets for 466034 vertices in a primitive, its textures take 466033",
+            ],
+        ),
+        (of(json!({ "attributes": position, "indices": 0, "targets": [{}] })), &[bare]),
+        (of(json!({ "attributes": position, "indices": 0, "mode": 5, "targets": [{}] })), &[]),
+        (of(json!({ "attributes": { "POSITION": 1, "NORMAL": 1 }, "indices": 0, "targets": [{}] })), &[]),
+        (of(json!({ "attributes": position, "targets": [{}] })), &[]),
+        (
+            of(json!({ "attributes": position, "mode": 2 })),
+            &["Bevy: mesh \"drop\" has line loops or triangle fans"],
+        ),
+        (
+            of(json!({ "attributes": position, "mode": 6 })),
+            &["Bevy: mesh \"drop\" has line loops or triangle fans"],
         ),
     ];
     for (changes, want) in cases {
@@ -124,7 +143,7 @@ fn what_else_is_found_of_meshes_is_told() {
                 mesh.insert(key.clone(), value.clone())
             };
         }
-        assert_eq!(told(&json), [want]);
+        assert_eq!(told(&json), want);
     }
     let mut large = document(&[mesh("drop", 0, 1, &["POSITION"])]);
     large["accessors"][0]["count"] = json!(466_033);
@@ -170,8 +189,8 @@ fn what_refuses_a_document_is_told() {
     assert_eq!(
         told(&json),
         [
-            "Bevy: the document requires KHR_mesh_quantization, EXT_meshopt_compression",
-            "Godot: the document requires KHR_mesh_quantization, EXT_meshopt_compression",
+            "Bevy: the document requires EXT_meshopt_compression, KHR_mesh_quantization",
+            "Godot: the document requires EXT_meshopt_compression, KHR_mesh_quantization",
             "Blender: the document requires EXT_meshopt_compression",
             &format!("Bevy: {empty}"),
             &format!("SharpGLTF: {empty}"),
@@ -181,6 +200,44 @@ fn what_refuses_a_document_is_told() {
             "Bevy: scene 0 has no list of nodes",
         ]
     );
+}
+
+#[test]
+fn nodes_of_one_path_of_names_are_told_where_clips_move_any() {
+    let nodes = |nodes: Value, moved: &[usize]| {
+        let channels: Vec<Value> =
+            moved.iter().map(|node| json!({ "target": { "node": node, "path": "weights" } })).collect();
+        told(&json!({ "nodes": nodes, "animations": [{ "channels": channels }] }))
+    };
+    let told = |nodes: &str, more: &str| {
+        vec![format!(
+            "Bevy: nodes {nodes} have the same names from the root on, by which it finds what clips move: each plays what is for the \
+             others{more}"
+        )]
+    };
+    let arms = json!([
+        { "name": "a", "children": [1, 2, 3] }, { "name": "arm" }, { "name": "arm" }, { "name": "leg" },
+        { "name": "b", "children": [5] }, { "name": "arm" }, {}, {}, { "name": "a" },
+    ]);
+    assert_eq!(nodes(arms.clone(), &[1, 2]), told("1, 2", ""));
+    assert_eq!(nodes(arms.clone(), &[2]), told("1, 2", ""), "what rests beside it moves, too");
+    for moved in [&[0, 3, 4, 6, 7][..], &[5], &[]] {
+        assert_eq!(nodes(arms.clone(), moved), [""; 0], "{moved:?}");
+    }
+    assert_eq!(nodes(arms, &[0, 1, 8]), told("0, 8", "; so with 1 more"), "roots, too");
+    // Loops, and children that two have or nobody.
+    let odd = json!([{ "children": [0, 1] }, { "children": [0, 7] }, { "children": [1, -1] }, 3]);
+    assert_eq!(nodes(odd, &[0, 1, 2, 3, 9]), [""; 0]);
+}
+
+#[test]
+fn more_joints_than_a_buffer_has_are_told() {
+    let skins = |counts: [usize; 3]| {
+        told(&json!({ "skins": counts.map(|count| json!({ "joints": vec![0; count] })) }))
+    };
+    assert_eq!(skins([3, 256, 1]), [""; 0]);
+    let shows = "of which it shows 256 where there are no storage buffers, as in WebGL2; so with 1 more";
+    assert_eq!(skins([257, 3, 265]), [format!("Bevy: skin 0 has 265 joints, {shows}")]);
 }
 
 /// Bevy reads by the `gltf` crate: what is said of Bevy's reading, that crate does.
@@ -200,6 +257,23 @@ fn the_reader_of_bevy_refuses_what_is_said_of_it() {
         }],
     });
     let refuses = |json: &Value| gltf::Gltf::from_slice(json.to_string().as_bytes()).is_err();
+    for name in [
+        "KHR_lights_punctual",
+        "KHR_materials_emissive_strength",
+        "KHR_materials_ior",
+        "KHR_materials_transmission",
+        "KHR_materials_unlit",
+        "KHR_texture_transform",
+        "KHR_materials_volume",
+        "KHR_materials_clearcoat",
+        "KHR_texture_basisu",
+        "EXT_texture_webp",
+        "VENDOR_what",
+    ] {
+        let mut json = good.clone();
+        json["extensionsRequired"] = json!([name]);
+        assert_eq!(refuses(&json), told(&json).iter().any(|told| told.starts_with("Bevy: ")), "{name}");
+    }
     let edits: [fn(&mut Value); 8] = [
         |_| (),
         |json| json["extensionsRequired"] = json!(["KHR_mesh_quantization"]),
