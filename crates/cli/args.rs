@@ -116,7 +116,8 @@ pub(crate) struct Apply {
     /// each joint with vertices there, and all other clips play as before. 3 and more pay, until what is left is not for joints to mend
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=64))]
     pub(crate) joints: u16,
-    /// How far a vertex may be from where the effect has it, at any time, in parts of the diagonal; for `auto`, `keys` and `basis`
+    /// How far a vertex may be from where the effect has it, at any time, in parts of the diagonal; for `auto`, `keys` and `basis`,
+    /// and for how closely joints of `skin` are followed between frames
     #[arg(long, default_value_t = 1e-4, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) tolerance: f64,
     /// The most morph targets a mesh may have, its own counted

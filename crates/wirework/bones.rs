@@ -12,6 +12,7 @@
 //! not each of them. With one joint more to a bone the residual may be larger than with none: from the middle of
 //! a bone to its end a curve does not turn evenly.
 
+mod keys;
 mod rig;
 mod wires;
 
@@ -20,7 +21,7 @@ use std::time::Instant;
 
 use glam::{DMat3, DQuat, DVec3};
 use wirework_asset::{Clip, Format, Gltf, Rest, printable};
-use wirework_bake::{Bone, BoneBaker, World};
+use wirework_bake::{Bone, BoneBaker, BonePose, World};
 use wirework_core::{Station, Wire};
 use wirework_ik::BoneFrame;
 use wirework_preset::{Action, Chain, Effect};
@@ -30,6 +31,10 @@ use crate::limbs::Reach;
 use crate::output::Scene;
 use crate::shade::Vertices;
 use crate::{Job, JobError, Progress, Skeleton};
+use keys::straightened;
+
+/// Where between two keys it is looked how far what is played is off: not in the middle, where it has been looked before.
+const BETWEEN: f64 = 0.382;
 
 /// Nothing above a joint.
 const WORLD: World = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
@@ -100,10 +105,11 @@ impl Film<'_> {
         };
         let Animated { mut gltf, rest, shown, baker, mut skeleton, mut warnings } = animated?;
         let posed = self.motion.evaluation.is_posed();
+        let keys: Vec<f64> = baker.times().iter().map(|time| f64::from(*time)).collect();
         let index = baker.finish(&mut gltf, clip, under.filter(|_| posed))?;
         self.write += start.elapsed();
         let from = vertices_from(&still, &rest, &shown);
-        self.compare((&gltf, &rest), index, (&still, &point_of, &from), &mut skeleton)?;
+        self.compare((&gltf, &rest), (index, &keys), (&still, &point_of, &from), &mut skeleton)?;
         let file = printable(gltf.file());
         warnings.extend(gltf.warnings().iter().skip(known).map(|warning| format!("{file}: {warning}")));
         let clip = new_clip(&gltf, clips, under.filter(|_| posed));
@@ -134,9 +140,12 @@ impl Film<'_> {
             reaches => rig::split_all(gltf, rest, reaches, job.joints)?,
         };
         let bone = |joint: &Joint| Bone { node: joint.node, parent: joint.parent };
-        let mut baker = BoneBaker::new(&joints.iter().map(bone).collect::<Vec<_>>());
+        let bones: Vec<Bone> = joints.iter().map(bone).collect();
+        let reach = reaches.iter().map(|reach| bone_length(reach)).fold(0.0, f64::max);
+        let mut baker = BoneBaker::new(&bones);
         let still = gltf.player(&rest, None)?;
-        for (_, seconds) in self.schedule.moments() {
+        let times = self.schedule.times_with(&job.preset.key_times);
+        let mut look = |frame: usize, seconds: f64| -> Result<BonePose, JobError> {
             self.motion.at(seconds)?;
             let evaluation = &self.motion.evaluation;
             let Some(limbs) = evaluation.lone_limbs() else { return Err(self.not_alone()) };
@@ -147,8 +156,11 @@ impl Film<'_> {
                 .chunk_by(|a, b| a.limb == b.limb)
                 .flat_map(|own| places(own, limbs[own[0].limb], seconds, world))
                 .collect();
-            baker.push(seconds, above, &places)?;
-        }
+            Ok(BonePose::new(&bones, frame, above, &places)?)
+        };
+        let off = |middle: &BonePose, ends: (&BonePose, &BonePose)| middle.off(&bones, ends, 0.5, reach);
+        let mut take = |seconds: f64, pose: &BonePose| Ok(baker.push(seconds, pose)?);
+        straightened(&times, job.tolerance * diagonal(&rest), &mut look, &off, &mut take)?;
         drop(still);
         let skeleton = Skeleton { joints: joints.len(), made, ..Skeleton::default() };
         Ok(Animated { gltf, rest, shown, baker, skeleton, warnings: Vec::new() })
@@ -170,11 +182,12 @@ impl Film<'_> {
         ))
     }
 
-    /// How far what an engine plays is from the effect itself, which moves the vertices of `still`; `from` says which of them each one is.
+    /// How far what an engine plays is from the effect itself, at every frame and between all keys. That moves the vertices of `still`; `from`
+    /// says which of them each one is.
     fn compare(
         &mut self,
         (gltf, rest): (&Gltf, &Rest),
-        clip: Option<usize>,
+        (clip, keys): (Option<usize>, &[f64]),
         (still, point_of, from): (&Rest, &[u32], &[usize]),
         out: &mut Skeleton,
     ) -> Result<(), JobError> {
@@ -182,9 +195,23 @@ impl Film<'_> {
         let mut vertices = Vertices::of_scene(still, point_of.to_vec())?;
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
         let frames = self.schedule.count();
-        for (done, (_, seconds)) in self.schedule.moments().enumerate() {
+        let shown = self.schedule.moments().map(|(_, seconds)| (seconds, true));
+        let between = keys.windows(2).filter_map(|pair| {
+            let time = pair[0] + BETWEEN * (pair[1] - pair[0]);
+            // Nothing is between times that are neighbours in files.
+            let is_between = (pair[0] as f32) < time as f32 && (time as f32) < pair[1] as f32;
+            is_between.then_some((time, false))
+        });
+        let mut times: Vec<(f64, bool)> = shown.chain(between).collect();
+        times.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut done = 0;
+        for (seconds, is_frame) in times {
             self.motion.at(seconds)?;
-            self.record(seconds)?;
+            if is_frame {
+                self.record(seconds)?;
+                done += 1;
+                (self.progress)(Progress { done, frames });
+            }
             if let Some((moment, _)) = self.motion.evaluation.moment() {
                 vertices.repose(moment)?;
             }
@@ -201,10 +228,8 @@ impl Film<'_> {
             let turned = own.zip(&normals).map(|(a, b)| double(a).angle_between(double(b)).to_degrees());
             // Vertices without a normal turn by no number.
             out.normals_degrees = turned.filter(|turn| turn.is_finite()).fold(out.normals_degrees, f64::max);
-            (self.progress)(Progress { done: done + 1, frames });
         }
-        let bounds = wirework_surface::Bounds::of(&rest.positions);
-        let diagonal = bounds.map_or(0.0, |bounds| f64::from(bounds.diagonal()));
+        let diagonal = diagonal(rest);
         out.residual_of_diagonal = if diagonal > 0.0 { out.residual / diagonal } else { 0.0 };
         Ok(())
     }
@@ -222,6 +247,18 @@ fn vertices_from(before: &Rest, now: &Rest, shown: &[(usize, usize)]) -> Vec<usi
         out.extend(first..first + block.count);
     }
     out
+}
+
+/// The diagonal of what is shown at rest, metres; 0 of nothing.
+fn diagonal(rest: &Rest) -> f64 {
+    wirework_surface::Bounds::of(&rest.positions).map_or(0.0, |bounds| f64::from(bounds.diagonal()))
+}
+
+/// The length of the bones of a limb in the mean, metres: as far as most hangs from a joint.
+fn bone_length(reach: &Reach) -> f64 {
+    let joints: Vec<DVec3> = reach.rest().joints().map(DVec3::from_array).collect();
+    let length: f64 = joints.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    length / joints.len().saturating_sub(1).max(1) as f64
 }
 
 fn double(p: &[f32; 3]) -> DVec3 {

@@ -25,11 +25,87 @@ pub struct Bone {
     pub parent: Option<usize>,
 }
 
+/// Where an engine puts joints at a moment.
+#[derive(Clone, Debug)]
+pub struct BonePose {
+    /// Of each joint its translation, rotation and scale.
+    local: Vec<(DVec3, DQuat, DVec3)>,
+    /// Where these put it, and where what it hangs on is.
+    world: Vec<DAffine3>,
+    above: Vec<DAffine3>,
+}
+
+impl BonePose {
+    /// The nearest that there is to joints at `places`, where `outside` says where that is on which a node hangs whose joint has no parent
+    /// among `bones`. Each of these comes behind the one that it hangs on; `frame` is for errors alone.
+    ///
+    /// # Errors
+    ///
+    /// As many places as there are no joints; one without an inverse to start from, or that is not finite; a joint before the one that it
+    /// hangs on.
+    pub fn new(
+        bones: &[Bone],
+        frame: usize,
+        outside: impl Fn(usize) -> World,
+        places: &[World],
+    ) -> Result<Self, BakeError> {
+        let fault = |problem| Err(BakeError::Frame { frame, problem });
+        if places.len() != bones.len() {
+            return fault("has another number of joints");
+        }
+        let mut new = Self { local: Vec::new(), world: Vec::new(), above: Vec::new() };
+        for (bone, place) in bones.iter().zip(places) {
+            let above = match bone.parent.map(|parent| new.world.get(parent)) {
+                None => affine(&outside(bone.node)),
+                Some(Some(above)) => *above,
+                Some(None) => return fault("has a joint before the one that it hangs on"),
+            };
+            let inverse = above.inverse();
+            let local = inverse * affine(place);
+            if !(inverse.is_finite() && local.is_finite()) {
+                return fault("has a joint whose transform has no inverse or is not finite");
+            }
+            let (rotation, scale) = parts(local.matrix3);
+            new.push(above, (local.translation, rotation, scale));
+        }
+        Ok(new)
+    }
+
+    fn push(&mut self, above: DAffine3, local: (DVec3, DQuat, DVec3)) {
+        let (translation, rotation, scale) = local;
+        self.world.push(above * DAffine3::from_scale_rotation_translation(scale, rotation, translation));
+        self.above.push(above);
+        self.local.push(local);
+    }
+
+    /// How far what hangs within `reach` of a joint, metres, is from where this pose has it when an engine goes `part` of the way from one
+    /// pose of `bones` to another: 0 ..= 1.
+    pub fn off(&self, bones: &[Bone], (from, to): (&Self, &Self), part: f64, reach: f64) -> f64 {
+        let mut way = Self { local: Vec::new(), world: Vec::new(), above: Vec::new() };
+        let mut most = 0.0_f64;
+        for (k, bone) in bones.iter().enumerate() {
+            let ((t0, r0, s0), (t1, r1, s1)) = (from.local[k], to.local[k]);
+            // Nothing is known of what is outside but where it is now.
+            let above = bone.parent.map_or(self.above[k], |parent| way.world[parent]);
+            way.push(above, (t0.lerp(t1, part), r0.slerp(r1, part), s0.lerp(s1, part)));
+            let at = self.world[k].translation;
+            most = most.max(way.world[k].translation.distance(at));
+            let moved = way.world[k] * self.world[k].inverse();
+            if moved.is_finite() {
+                let steps = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+                most = steps
+                    .map(|step| at + step * reach)
+                    .fold(most, |most, p| most.max(moved.transform_point3(p).distance(p)));
+            }
+        }
+        most
+    }
+}
+
 /// Takes joints frame after frame.
 #[derive(Clone, Debug)]
 pub struct BoneBaker {
     times: Vec<f32>,
-    bones: Vec<Bone>,
     tracks: Vec<JointTrack>,
 }
 
@@ -37,49 +113,29 @@ impl BoneBaker {
     /// For these joints, each behind the one that it hangs on.
     pub fn new(bones: &[Bone]) -> Self {
         let track = |bone: &Bone| JointTrack { node: bone.node, ..JointTrack::default() };
-        Self { times: Vec::new(), bones: bones.to_vec(), tracks: bones.iter().map(track).collect() }
+        Self { times: Vec::new(), tracks: bones.iter().map(track).collect() }
     }
 
-    /// Takes the next frame: its time in seconds, where that is on which a node hangs whose joint has no parent in the list, and where each
-    /// joint is to be.
+    /// The times that have been taken, seconds.
+    pub fn times(&self) -> &[f32] {
+        &self.times
+    }
+
+    /// Takes the next pose of the joints, and its time in seconds.
     ///
     /// # Errors
     ///
-    /// As many transforms as there are no joints; one without an inverse to start from, or that is not finite; times that do not rise;
-    /// a joint before the one that it hangs on.
-    pub fn push(
-        &mut self,
-        time: f64,
-        outside: impl Fn(usize) -> World,
-        joints: &[World],
-    ) -> Result<(), BakeError> {
-        let frame = self.times.len();
-        let fault = |problem| Err(BakeError::Frame { frame, problem });
-        if joints.len() != self.tracks.len() {
+    /// A time that does not come after the one before it; a pose of another number of joints.
+    pub fn push(&mut self, time: f64, pose: &BonePose) -> Result<(), BakeError> {
+        let fault = |problem| Err(BakeError::Frame { frame: self.times.len(), problem });
+        if pose.local.len() != self.tracks.len() {
             return fault("has another number of joints");
         }
         let time = time as f32;
         if !(time.is_finite() && self.times.last().is_none_or(|last| *last < time)) {
             return fault("does not come after the one before it");
         }
-        let mut made: Vec<DAffine3> = Vec::with_capacity(joints.len());
-        let mut all = Vec::with_capacity(joints.len());
-        for (bone, joint) in self.bones.iter().zip(joints) {
-            let above = match bone.parent.map(|parent| made.get(parent)) {
-                None => affine(&outside(bone.node)),
-                Some(Some(above)) => *above,
-                Some(None) => return fault("has a joint before the one that it hangs on"),
-            };
-            let inverse = above.inverse();
-            let local = inverse * affine(joint);
-            if !(inverse.is_finite() && local.is_finite()) {
-                return fault("has a joint whose transform has no inverse or is not finite");
-            }
-            let (rotation, scale) = parts(local.matrix3);
-            made.push(above * DAffine3::from_scale_rotation_translation(scale, rotation, local.translation));
-            all.push((local.translation, rotation, scale));
-        }
-        for (track, (translation, rotation, scale)) in self.tracks.iter_mut().zip(all) {
+        for (track, (translation, rotation, scale)) in self.tracks.iter_mut().zip(&pose.local) {
             track.translations.push(translation.as_vec3().to_array());
             track.rotations.push(rotation.as_quat().to_array());
             track.scales.push(scale.as_vec3().to_array());

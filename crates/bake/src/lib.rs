@@ -37,7 +37,7 @@ mod writer;
 
 pub use adapt::Moments;
 pub use bake::bake;
-pub use bones::{Bone, BoneBaker, World};
+pub use bones::{Bone, BoneBaker, BonePose, World};
 pub use cache::{CacheError, CacheFormat, CacheHead, cache_head, cache_sample_into};
 pub use error::BakeError;
 pub use frames::Baker;

@@ -11,17 +11,22 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 use wirework_asset::{Gltf, Hung, NewJoint, NewSkin, Rest};
-use wirework_bake::{Bone, BoneBaker, World};
+use wirework_bake::{Bone, BoneBaker, BonePose, World};
 use wirework_core::{Weights, WeightsError, Wire};
 use wirework_preset::{Deform, KeyedWire, PoseKeys};
 
-use super::{Animated, WORLD, check_unmoved, refused};
+use super::keys::straightened;
+use super::{Animated, WORLD, check_unmoved, diagonal, refused};
 use crate::error::count;
 use crate::film::Film;
 use crate::{Job, JobError, Schedule, Skeleton};
 
 /// The most joints that vertices hang on: two sets of four. More sets are hardly read anywhere.
 const MOST_INFLUENCES: usize = 8;
+
+/// How far joints of eased poses may be off between keys, in parts of the diagonal: such a skin is meant to be the wire itself, and keys are
+/// small.
+const OF_EASED: f64 = 5e-6;
 
 /// What viewers that read one set of joints play.
 const ONE_SET: usize = 4;
@@ -72,13 +77,22 @@ impl Film<'_> {
         let (warnings, influences) = (hanging.warnings(), hanging.most.min(MOST_INFLUENCES));
         let gains = hanging.gains;
         let mut baker = BoneBaker::new(&bones);
-        for (seconds, key) in times(&deform.wires, &self.schedule) {
+        let mut look = |frame: usize, seconds: f64| {
             deform.wires.iter().zip(&mut wires).for_each(|(keyed, wire)| keyed.at_into(seconds, wire));
             let places = wires.iter().zip(&gains).flat_map(|(wire, gain)| places(wire, *gain));
             // Nothing to hang on: there are no joints.
             let places: Vec<World> = places.take(bones.len()).collect();
-            baker.push(key, |_| WORLD, &places)?;
-        }
+            BonePose::new(&bones, frame, |_| WORLD, &places)
+        };
+        let off = |middle: &BonePose, ends: (&BonePose, &BonePose)| middle.off(&bones, ends, 0.5, 0.0);
+        // Files keep times in 32 bits: of two keys closer than that the later one comes as soon as may be.
+        let mut last = f32::NEG_INFINITY;
+        let mut take = |seconds: f64, pose: &BonePose| {
+            last = (seconds as f32).max(last.next_up());
+            baker.push(f64::from(last), pose)
+        };
+        let times = times(&deform.wires, &self.schedule);
+        straightened(&times, job.tolerance.min(OF_EASED) * diagonal(&rest), &mut look, &off, &mut take)?;
         let joints = bones.len();
         let skeleton = Skeleton { joints, made: joints, influences, gains, ..Skeleton::default() };
         Ok(Animated { gltf, rest, shown, baker, skeleton, warnings })
@@ -330,9 +344,8 @@ fn places(wire: &Wire, gain: f64) -> Vec<World> {
     wire.reference.points().iter().zip(&wire.pose).map(place).collect()
 }
 
-/// When joints get keys: where poses have theirs and at both ends, and in every frame where a pose is eased. For each the time of the
-/// poses, and that of the key, for files keep times in 32 bits: of two keys closer than that the later one comes as soon as may be.
-fn times(wires: &[KeyedWire], schedule: &Schedule) -> Vec<(f64, f64)> {
+/// When joints get keys at least: where poses have theirs and at both ends, and in every frame where a pose is eased.
+fn times(wires: &[KeyedWire], schedule: &Schedule) -> Vec<f64> {
     let keys: Vec<PoseKeys> = wires.iter().map(KeyedWire::pose_keys).collect();
     let (first, last) = schedule.ends();
     let inside = keys.iter().flat_map(|keys| keys.times.iter().copied());
@@ -343,10 +356,5 @@ fn times(wires: &[KeyedWire], schedule: &Schedule) -> Vec<(f64, f64)> {
     }
     times.sort_by(f64::total_cmp);
     times.dedup_by(|later, time| *later - *time <= ROUNDING * (1.0 + time.abs()));
-    let mut before = f32::NEG_INFINITY;
-    let key = |seconds: f64| {
-        before = (seconds as f32).max(before.next_up());
-        (seconds, f64::from(before))
-    };
-    times.into_iter().map(key).collect()
+    times
 }
