@@ -1,19 +1,19 @@
 //! What engines make of a document: what each takes, what it refuses, and what morph targets cost it in memory.
 //!
 //! A document that the standard allows need not load everywhere. What is said here is of three.js r187, Bevy up to 0.19 (by way of the
-//! `gltf` crate 1.4.1), Godot 4, Blender 5.0, Babylon.js, and of phones, by what their sources say, their makers have been told, or
+//! `gltf` crate 1.4.1), Godot 4, Blender 5.0, Babylon.js 9, and of phones, by what their sources say, their makers have been told, or
 //! runs of them have shown. Nothing is said of what is not known: that no finding names an engine promises nothing.
 //!
 //! Memory, summed over the primitives of all meshes, each of `V` vertices and `T` targets, a mesh once however many nodes show it:
 //!
 //! | engine | bytes | why |
 //! |---|---|---|
-//! | three.js | `16 V T`, with normals `32 V T`; on JavaScript's heap `28 V T`, with normals `56 V T` | a target is a layer of an RGBA32F texture |
+//! | three.js, Babylon.js | `16 V T`, with normals `32 V T`; on JavaScript's heap `28 V T`, with normals `56 V T` | a target is a layer of an RGBA32F texture |
 //! | Bevy | `48 V T`; up to 0.18, and without storage buffers, `36 V T` | 9 floats, and 3 for their alignment, whatever a target has |
 //! | Godot | `12 V` for each position, normal and tangent of each target | what is sparse becomes dense |
 //! | Blender | `12 V T` | shape keys are positions |
 //!
-//! What Babylon.js and phones take is not known.
+//! What phones take is not known.
 
 mod findings;
 mod sheet;
@@ -100,6 +100,8 @@ pub enum About {
     Primitives,
     /// Names of nodes that clips move.
     Nodes,
+    /// How many targets are at work at a time.
+    Influencers,
     /// A required extension.
     Extension,
     /// Accessors without data.
@@ -168,18 +170,18 @@ fn memory(sheet: &Sheet<'_>) -> Vec<EngineMemory> {
     let targets = |primitive: &Primitive| primitive.targets as u64;
     let heap = |primitive: &Primitive| if primitive.normals > 0 { 56 } else { 28 };
     let dense = |p: &Primitive| (p.positions + p.normals + p.tangents) as u64;
-    let three = EngineMemory {
-        engine: THREE,
+    let layers = |engine| EngineMemory {
+        engine,
         bytes: sum(&|primitive| three_bytes(primitive) * targets(primitive)),
         heap_bytes: sum(&|primitive| heap(primitive) * targets(primitive)),
     };
     let plain = |engine, bytes| EngineMemory { engine, bytes, heap_bytes: None };
     vec![
-        three,
+        layers(THREE),
         plain(BEVY, sum(&|primitive| 48 * targets(primitive))),
         plain(GODOT, sum(&|primitive| 12 * dense(primitive))),
         plain(BLENDER, sum(&|primitive| 12 * targets(primitive))),
-        plain(BABYLON, None),
+        layers(BABYLON),
         plain(PHONES, None),
     ]
 }

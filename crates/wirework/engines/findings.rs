@@ -74,6 +74,9 @@ const BEVY_READS: [&str; 6] = [
     "KHR_texture_transform",
 ];
 
+/// The targets that Babylon.js shows at a time where each is an attribute: fewer where they have normals.
+const BABYLON_ATTRIBUTES: usize = 8;
+
 /// The joints of a skin that Bevy puts into a uniform buffer, where there is no other.
 const BEVY_JOINTS: usize = 256;
 
@@ -134,7 +137,7 @@ fn parts(sheet: &Sheet<'_>) -> Vec<Finding> {
         add((engine, None), Severity::Refuses, About::Accessors, ("accessor", &sheet.empty), what);
     }
     let godot = (GODOT, Some("before 4.1"));
-    let what = "has sparse values and no buffer view";
+    let what = "has sparse values and no buffer view, for whose zeros it takes other bytes or nothing";
     add(godot, Severity::Degrades, About::Accessors, ("accessor", &sheet.baseless), what);
     let what = "has a channel that names no node";
     add((BEVY, None), Severity::Refuses, About::Clips, ("animation", &sheet.nodeless_clips), what);
@@ -226,6 +229,12 @@ fn of_meshes(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
     let unread = most(sheet, count(|primitive| BEVY_UNREAD_MODES.contains(&primitive.mode)), |_| {
         "has line loops or triangle fans".to_owned()
     });
+    let at_work = |mesh: &Mesh| if mesh.targets > BABYLON_ATTRIBUTES { mesh.targets as u64 } else { 0 };
+    let at_work = most(sheet, at_work, |targets| {
+        format!(
+            "has {targets} targets, and it shows at most {BABYLON_ATTRIBUTES} at a time there, the first that are not 0"
+        )
+    });
     let found = [
         ((BEVY, Some("up to 0.18")), Severity::Refuses, About::Vertices, vertices),
         ((BEVY, None), Severity::Degrades, About::Normals, bare),
@@ -235,6 +244,12 @@ fn of_meshes(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
         ((GODOT, None), Severity::Degrades, About::Names, named),
         ((THREE, None), Severity::Degrades, About::Influences, joints.clone()),
         ((BEVY, None), Severity::Degrades, About::Influences, joints),
+        (
+            (BABYLON, Some("without textures of targets (WebGL1, Mali-G72)")),
+            Severity::Degrades,
+            About::Influencers,
+            at_work,
+        ),
     ];
     let told = |(engine, severity, about, told): (_, _, _, Option<_>)| {
         told.map(|told| finding(engine, severity, about, told))
