@@ -133,7 +133,9 @@ fn twins(json: &Value) -> Vec<Vec<usize>> {
         stack.extend(children(node).map(|child| (path, child)));
     }
     same.retain(|own| own.len() > 1 && own.iter().any(|node| moved.contains(node)));
-    same.iter_mut().for_each(|own| own.sort_unstable());
+    for own in &mut same {
+        own.sort_unstable();
+    }
     same.sort_unstable();
     same
 }
