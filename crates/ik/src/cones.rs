@@ -46,25 +46,24 @@ pub(crate) struct Cones<'a> {
 }
 
 impl Cones<'_> {
-    /// Turns bones into their cones, each with all that come after it. Whether any was outside.
-    pub(crate) fn clamp(&self, bones: &mut [DVec3]) -> bool {
+    /// Turns bones into their cones, each with all that come after it. Gives of each the axis about which it turns out of its cone, and how
+    /// much room is left there: 0 at the border ..= 1 well inside.
+    fn clamp(&self, bones: &mut [DVec3], borders: &mut Vec<(DVec3, f64)>) {
         let mut frame = self.before;
-        let mut outside = false;
+        borders.clear();
         for i in 0..bones.len() {
             let axis = frame * self.rest[i];
-            if let Some(&limit) = self.angles.get(i) {
-                let angle = axis.angle_between(bones[i]);
-                if angle > limit {
-                    outside = true;
-                    let across = axis.cross(bones[i]);
-                    let about = across.try_normalize().unwrap_or_else(|| aside(axis.normalize_or_zero()));
-                    let back = DQuat::from_axis_angle(about, limit - angle);
-                    bones[i..].iter_mut().for_each(|bone| *bone = back * *bone);
-                }
+            let across = axis.cross(bones[i]);
+            let limit = self.angles.get(i).copied().unwrap_or(f64::INFINITY);
+            let angle = across.length().atan2(axis.dot(bones[i]));
+            if angle > limit {
+                let about = across.try_normalize().unwrap_or_else(|| aside(axis.normalize_or_zero()));
+                let back = DQuat::from_axis_angle(about, limit - angle);
+                bones[i..].iter_mut().for_each(|bone| *bone = back * *bone);
             }
-            frame = least_rotation(axis, bones[i], aside(axis.normalize_or_zero())) * frame;
+            borders.push((across.normalize_or_zero(), ((limit - angle) / ROOM).clamp(0.0, 1.0)));
+            frame = least_rotation(axis, bones[i], || aside(axis.normalize_or_zero())) * frame;
         }
-        outside
     }
 
     /// The bones turned into their cones, and so that their end is as near to where it was as it can be.
@@ -80,7 +79,7 @@ impl Cones<'_> {
     pub(crate) fn after(&self, bones: &[DVec3]) -> DQuat {
         self.rest.iter().zip(bones).fold(self.before, |frame, (rest, bone)| {
             let axis = frame * *rest;
-            least_rotation(axis, *bone, aside(axis.normalize_or_zero())) * frame
+            least_rotation(axis, *bone, || aside(axis.normalize_or_zero())) * frame
         })
     }
 
@@ -89,7 +88,7 @@ impl Cones<'_> {
         let mut frame = self.before;
         let excess = |(i, bone): (usize, &DVec3)| {
             let axis = frame * self.rest[i];
-            frame = least_rotation(axis, *bone, aside(axis.normalize_or_zero())) * frame;
+            frame = least_rotation(axis, *bone, || aside(axis.normalize_or_zero())) * frame;
             axis.angle_between(*bone) - self.angles.get(i).copied().unwrap_or(f64::INFINITY)
         };
         bones.iter().enumerate().map(excess).fold(f64::NEG_INFINITY, f64::max)
@@ -103,7 +102,7 @@ impl Cones<'_> {
             .zip(&*bones)
             .map(|(rest, bone)| {
                 let axis = self.before * *rest;
-                least_rotation(axis, *bone, aside(axis.normalize_or_zero())).to_scaled_axis()
+                least_rotation(axis, *bone, || aside(axis.normalize_or_zero())).to_scaled_axis()
             })
             .collect();
         let lengths: Vec<f64> = bones.iter().map(|bone| bone.length()).collect();
@@ -125,6 +124,8 @@ impl Cones<'_> {
         }
         let total: f64 = bones.iter().map(|bone| bone.length()).sum();
         let (mut least, mut stalled) = (f64::INFINITY, 0);
+        let mut borders = Vec::with_capacity(bones.len());
+        self.clamp(bones, &mut borders);
         for _ in 0..ROUNDS {
             let end: DVec3 = bones.iter().sum();
             let miss = goal - end;
@@ -134,75 +135,60 @@ impl Cones<'_> {
             if far < THERE * total || stalled == STALLED {
                 return;
             }
-            self.step(bones, miss, end);
-            self.clamp(bones);
+            step(bones, (miss, end), &borders);
+            self.clamp(bones, &mut borders);
         }
     }
+}
 
-    /// Turns all joints at once so that the end moves by `miss`, as far as it can to first order and cones let it: the least of all such
-    /// turns, in the sum of their squares.
-    fn step(&self, bones: &mut [DVec3], miss: DVec3, end: DVec3) {
-        let mut joint = DVec3::ZERO;
-        let arm = |bone: &DVec3| {
-            let arm = end - joint;
-            joint += *bone;
-            arm
-        };
-        let arms: Vec<DVec3> = bones.iter().map(arm).collect();
-        let borders = self.borders(bones);
-        let reach: f64 = arms.iter().map(|arm| arm.length_squared()).sum();
-        let damping = DAMPING * reach.sqrt() * miss.length();
-        let mut turns = vec![DVec3::ZERO; bones.len()];
-        // How much of what would take a bone out of its cone is left to it.
-        let mut left = vec![1.0; bones.len()];
-        for _ in 0..PASSES {
-            let ways = || arms.iter().zip(&borders).zip(&left);
-            let held = |v: DVec3, out: DVec3, left: f64| v - out * (out.dot(v) * (1.0 - left));
-            let moved = |way: ((&DVec3, &(DVec3, f64)), &f64), push: DVec3| {
-                let ((arm, (out, _)), left) = way;
-                held(arm.cross(push), *out, *left)
-            };
-            let column = |axis: DVec3| {
-                ways().map(|way| moved(way, axis).cross(*way.0.0)).sum::<DVec3>() + axis * damping
-            };
-            let push =
-                DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z)).inverse() * miss;
-            if !push.is_finite() {
-                return;
-            }
-            for (turn, way) in turns.iter_mut().zip(ways()) {
-                *turn = moved(way, push);
-            }
-            let mut changed = false;
-            for ((left, turn), (out, slack)) in left.iter_mut().zip(&turns).zip(&borders) {
-                if turn.dot(*out) > 0.0 && *left != *slack {
-                    (*left, changed) = (*slack, true);
-                }
-            }
-            if !changed {
-                break;
+/// Turns all joints at once so that the end moves by `miss`, as far as it can to first order and cones let it: the least of all such
+/// turns, in the sum of their squares.
+fn step(bones: &mut [DVec3], (miss, end): (DVec3, DVec3), borders: &[(DVec3, f64)]) {
+    let mut joint = DVec3::ZERO;
+    let arm = |bone: &DVec3| {
+        let arm = end - joint;
+        joint += *bone;
+        arm
+    };
+    let arms: Vec<DVec3> = bones.iter().map(arm).collect();
+    let reach: f64 = arms.iter().map(|arm| arm.length_squared()).sum();
+    let damping = DAMPING * reach.sqrt() * miss.length();
+    let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+    // By what a push on the end moves it: every joint turns by `arm × push`, which moves the end by that `× arm`.
+    let free =
+        arms.iter().fold(DMat3::from_diagonal(DVec3::splat(damping + reach)), |m, arm| m - outer(*arm));
+    let mut turns = vec![DVec3::ZERO; bones.len()];
+    // How much of what would take a bone out of its cone is left to it.
+    let mut left = vec![1.0; bones.len()];
+    for _ in 0..PASSES {
+        // What joints at their borders hold back of a turn about `out` they hold back of the way of the end along `out × arm`.
+        let ways = || arms.iter().zip(borders).zip(&left);
+        let held = ways().filter(|(_, left)| **left < 1.0);
+        let moved = held.fold(free, |m, ((arm, (out, _)), left)| m - outer(out.cross(*arm)) * (1.0 - left));
+        let push = moved.inverse() * miss;
+        if !push.is_finite() {
+            return;
+        }
+        for (turn, ((arm, (out, _)), left)) in turns.iter_mut().zip(ways()) {
+            let whole = arm.cross(push);
+            *turn = whole - *out * (out.dot(whole) * (1.0 - left));
+        }
+        let mut changed = false;
+        for ((left, turn), (out, slack)) in left.iter_mut().zip(&turns).zip(borders) {
+            if turn.dot(*out) > 0.0 && *left != *slack {
+                (*left, changed) = (*slack, true);
             }
         }
-        let largest = turns.iter().map(|turn| turn.length()).fold(0.0, f64::max);
-        let part = if largest > LARGEST_TURN { LARGEST_TURN / largest } else { 1.0 };
-        let mut sum = DVec3::ZERO;
-        for (bone, turn) in bones.iter_mut().zip(&turns) {
-            sum += *turn * part;
-            *bone = DQuat::from_scaled_axis(sum) * *bone;
+        if !changed {
+            break;
         }
     }
-
-    /// Of each bone the axis about which it turns out of its cone, and how much room is left there: 0 at the border ..= 1 well inside.
-    fn borders(&self, bones: &[DVec3]) -> Vec<(DVec3, f64)> {
-        let mut frame = self.before;
-        let border = |(i, bone): (usize, &DVec3)| {
-            let axis = frame * self.rest[i];
-            frame = least_rotation(axis, *bone, aside(axis.normalize_or_zero())) * frame;
-            let limit = self.angles.get(i).copied().unwrap_or(f64::INFINITY);
-            let room = ((limit - axis.angle_between(*bone)) / ROOM).clamp(0.0, 1.0);
-            (axis.cross(*bone).normalize_or_zero(), room)
-        };
-        bones.iter().enumerate().map(border).collect()
+    let largest = turns.iter().map(|turn| turn.length()).fold(0.0, f64::max);
+    let part = if largest > LARGEST_TURN { LARGEST_TURN / largest } else { 1.0 };
+    let mut sum = DVec3::ZERO;
+    for (bone, turn) in bones.iter_mut().zip(&turns) {
+        sum += *turn * part;
+        *bone = DQuat::from_scaled_axis(sum) * *bone;
     }
 }
 
@@ -225,7 +211,7 @@ mod tests {
             let (across, turn) = (aside(axis.normalize()), noise(seed) * std::f64::consts::TAU);
             let about = DQuat::from_axis_angle(axis.normalize(), turn) * across;
             let bone = DQuat::from_axis_angle(about, 0.97 * limit * noise(seed).sqrt()) * axis;
-            frame = least_rotation(axis, bone, about) * frame;
+            frame = least_rotation(axis, bone, || about) * frame;
             bone
         };
         rest.iter().zip(angles).map(bone).collect()

@@ -115,7 +115,7 @@ impl Limb {
                 let (was, is) =
                     (self.joints[last] - self.joints[first], limb.joints[last] - limb.joints[first]);
                 first = last;
-                least_rotation(was, is, run.normal) * run.normal * (KEPT * run.total * run.total)
+                least_rotation(was, is, || run.normal) * run.normal * (KEPT * run.total * run.total)
             })
             .collect();
         limb.divide(|run| carried[run]);

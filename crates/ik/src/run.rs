@@ -105,7 +105,7 @@ impl Run {
         };
         run.bows.angles_into(arch, &mut run.angles);
         let from_bow = |(bone, angle): (&DVec3, &f64)| {
-            least_rotation(run.in_plane(*angle), *bone, run.normal).to_scaled_axis()
+            least_rotation(run.in_plane(*angle), *bone, || run.normal).to_scaled_axis()
         };
         run.aside = run.bones.iter().zip(&run.angles).map(from_bow).collect();
         run.is_bow = run.aside.iter().all(|turn| turn.length() < STRAIGHT);
@@ -173,20 +173,20 @@ impl Run {
         let bones = self.shape(distance);
         let chord: DVec3 = bones.iter().sum();
         let level = if chord.length() > POINT * self.total {
-            least_rotation(chord, self.direction, self.normal)
+            least_rotation(chord, self.direction, || self.normal)
         } else {
             DQuat::IDENTITY
         };
         let pole = pole.map(|pole| pole - base);
         let side = DQuat::from_axis_angle(ahead, self.towards(to, pole));
-        let turn = side * least_rotation(self.direction, ahead, self.normal) * level;
+        let turn = side * least_rotation(self.direction, ahead, || self.normal) * level;
         bones.into_iter().map(|bone| turn * bone).collect()
     }
 
     /// How what hangs on the bones turns as their end moves to `to`, counted from their first joint: with the line between their ends, and
     /// with the plane in which they bend where they are bent at rest.
     pub(crate) fn turn(&self, to: DVec3, pole: Option<DVec3>) -> DQuat {
-        let turn = least_rotation(self.direction, to, self.normal);
+        let turn = least_rotation(self.direction, to, || self.normal);
         if self.is_straight {
             return turn;
         }
@@ -200,7 +200,7 @@ impl Run {
         let across = |v: DVec3| v - ahead * ahead.dot(v);
         // A bow bulges away from where its bones turn to.
         let bulge = self.direction.cross(self.normal);
-        let now = least_rotation(self.direction, ahead, self.normal) * bulge;
+        let now = least_rotation(self.direction, ahead, || self.normal) * bulge;
         let wanted = across(pole);
         if wanted.length() <= POINT * self.total {
             return 0.0;

@@ -177,16 +177,16 @@ impl Limb {
         if pose.joints != self.joints {
             let bone = |joints: &[DVec3]| joints[1] - joints[0];
             let own =
-                least_rotation(pose.turn * bone(&self.joints), bone(&pose.joints), DVec3::X) * pose.turn;
+                least_rotation(pose.turn * bone(&self.joints), bone(&pose.joints), || DVec3::X) * pose.turn;
             let (rest, now) = (bone(&self.joints).normalize_or_zero(), bone(&pose.joints));
             // What the wire does there without a twist.
-            let bend = least_rotation(rest, now, rest.cross(aside(rest)));
+            let bend = least_rotation(rest, now, || rest.cross(aside(rest)));
             root = roll(bend, own, rest);
         }
         if self.settings.tip != Tip::Follow {
             let Ok(now) = wire.reference.posed(wire.pose.clone()) else { return };
             let [rest, now] = [&wire.reference, &now].map(transported);
-            let start = least_rotation(rest.first, now.first, rest.first.cross(aside(rest.first)));
+            let start = least_rotation(rest.first, now.first, || rest.first.cross(aside(rest.first)));
             let bend = now.turn * start * rest.turn.inverse();
             tip += within_turn(roll(bend, held, rest.last) - root);
         }
@@ -252,7 +252,7 @@ impl Limb {
             let mut rotation = DQuat::from_array(station.rotation);
             let mut stretch = station.scale;
             if j < bones {
-                rotation = least_rotation(rotation * rest, now, DVec3::X) * rotation;
+                rotation = least_rotation(rotation * rest, now, || DVec3::X) * rotation;
                 stretch = now.length() / rest.length();
             }
             BoneFrame {
@@ -289,7 +289,7 @@ fn transported(curve: &Curve) -> Transported {
     let at = curve.at((0..=steps).map(|i| i as f64 / steps as f64));
     let tangents: Vec<DVec3> = at.into_iter().map(|(_, tangent)| DVec3::from_array(tangent)).collect();
     let turn = tangents.windows(2).fold(DQuat::IDENTITY, |turn, pair| {
-        (least_rotation(pair[0], pair[1], aside(pair[0])) * turn).normalize()
+        (least_rotation(pair[0], pair[1], || aside(pair[0])) * turn).normalize()
     });
     Transported { first: tangents[0], last: tangents[steps], turn }
 }
