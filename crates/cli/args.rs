@@ -177,8 +177,8 @@ pub(crate) enum Bake {
     Basis,
     /// One target a frame, exact there
     Frames,
-    /// Tracks of joints, for a preset of one limb: what a skeleton can do of it; or of wires that only move (`rotation: 0`): exactly,
-    /// with a joint a control point. The report says how far off it is
+    /// Tracks of joints, for a preset of limbs: what a skeleton can do of them; or of wires that only move (`rotation: 0`): as exact as
+    /// their keys, with a joint a control point. The report says how far off it is
     Skin,
 }
 

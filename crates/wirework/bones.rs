@@ -2,7 +2,7 @@
 //!
 //! Where the chain is one of the model's own, its joints are taken to where the limb has them: each turned and stretched as the middle of
 //! its bone is; or, where there are more joints between them, each as the curve is where it lies. A chain that stands in the
-//! preset gets joints made for it ([`rig`]), and so do wires, a joint a control point ([`wires`]). Either way what an engine then shows is compared with the effect itself, at every frame.
+//! preset gets joints made for it ([`rig`]), and so do wires, a joint a control point ([`wires`]). Either way what an engine then shows is compared with the effect itself, at frames and between keys.
 //!
 //! # Notes
 //!
@@ -31,10 +31,14 @@ use crate::limbs::Reach;
 use crate::output::Scene;
 use crate::shade::Vertices;
 use crate::{Job, JobError, Progress, Skeleton};
-use keys::straightened;
+use keys::{PART, straightened};
 
-/// Where between two keys it is looked how far what is played is off: not in the middle, where it has been looked before.
-const BETWEEN: f64 = 0.382;
+/// Where between two keys it is looked how far what is played is off: not where it has been looked before, and near to where ways that ease in
+/// and out are most.
+const BETWEEN: [f64; 2] = [0.22, 0.7];
+
+/// Floats are no more exact than this part of the greatest coordinate, twice over.
+const NOISE: f64 = 5e-7;
 
 /// Nothing above a joint.
 const WORLD: World = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
@@ -95,6 +99,7 @@ impl Film<'_> {
     ) -> Result<Product, JobError> {
         let Scene { gltf, rest, point_of, .. } = scene;
         let (known, clips) = (gltf.warnings().len(), gltf.clip_names().len());
+        let before = crate::engines(&gltf);
         let clip = job.into.map(|into| find_clip(&gltf, into).map(Clip::Into)).transpose()?;
         let start = Instant::now();
         let still = rest.clone();
@@ -113,11 +118,13 @@ impl Film<'_> {
         let file = printable(gltf.file());
         warnings.extend(gltf.warnings().iter().skip(known).map(|warning| format!("{file}: {warning}")));
         let clip = new_clip(&gltf, clips, under.filter(|_| posed));
-        let engines = Some(crate::engines(&gltf));
+        let engines = crate::engines(&gltf);
+        let note = engines.note(&before);
         let start = Instant::now();
         let files = gltf.into_files(job.output.unwrap_or(Path::new("out.glb")), format)?;
         self.write += start.elapsed();
-        Ok(Product { files, warnings, clip, skeleton: Some(skeleton), engines, ..Product::default() })
+        let engines = Some(engines);
+        Ok(Product { files, warnings, clip, skeleton: Some(skeleton), engines, note, ..Product::default() })
     }
 
     /// The model with the joints of limbs: its own, or made for one.
@@ -158,9 +165,9 @@ impl Film<'_> {
                 .collect();
             Ok(BonePose::new(&bones, frame, above, &places)?)
         };
-        let off = |middle: &BonePose, ends: (&BonePose, &BonePose)| middle.off(&bones, ends, 0.5, reach);
+        let off = |middle: &BonePose, ends: (&BonePose, &BonePose)| middle.off(&bones, ends, PART, reach);
         let mut take = |seconds: f64, pose: &BonePose| Ok(baker.push(seconds, pose)?);
-        straightened(&times, job.tolerance * diagonal(&rest), &mut look, &off, &mut take)?;
+        straightened(&times, allowed(&rest, job.tolerance), &mut look, &off, &mut take)?;
         drop(still);
         let skeleton = Skeleton { joints: joints.len(), made, ..Skeleton::default() };
         Ok(Animated { gltf, rest, shown, baker, skeleton, warnings: Vec::new() })
@@ -182,7 +189,7 @@ impl Film<'_> {
         ))
     }
 
-    /// How far what an engine plays is from the effect itself, at every frame and between all keys. That moves the vertices of `still`; `from`
+    /// How far what an engine plays is from the effect itself, at every frame and twice between all keys. That moves the vertices of `still`; `from`
     /// says which of them each one is.
     fn compare(
         &mut self,
@@ -196,11 +203,11 @@ impl Film<'_> {
         let (mut positions, mut normals) = (Vec::new(), Vec::new());
         let frames = self.schedule.count();
         let shown = self.schedule.moments().map(|(_, seconds)| (seconds, true));
-        let between = keys.windows(2).filter_map(|pair| {
-            let time = pair[0] + BETWEEN * (pair[1] - pair[0]);
+        let between = keys.windows(2).flat_map(|pair| {
+            let times = BETWEEN.map(|part| pair[0] + part * (pair[1] - pair[0]));
             // Nothing is between times that are neighbours in files.
-            let is_between = (pair[0] as f32) < time as f32 && (time as f32) < pair[1] as f32;
-            is_between.then_some((time, false))
+            let is_between = |time: &f64| (pair[0] as f32) < *time as f32 && (*time as f32) < pair[1] as f32;
+            times.into_iter().filter(is_between).map(|time| (time, false)).collect::<Vec<_>>()
         });
         let mut times: Vec<(f64, bool)> = shown.chain(between).collect();
         times.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -252,6 +259,13 @@ fn vertices_from(before: &Rest, now: &Rest, shown: &[(usize, usize)]) -> Vec<usi
 /// The diagonal of what is shown at rest, metres; 0 of nothing.
 fn diagonal(rest: &Rest) -> f64 {
     wirework_surface::Bounds::of(&rest.positions).map_or(0.0, |bounds| f64::from(bounds.diagonal()))
+}
+
+/// How far the way between keys may be off, metres: a part of the diagonal, and no less than floats can tell.
+fn allowed(rest: &Rest, part: f64) -> f64 {
+    let numbers = rest.positions.as_flattened().iter();
+    let largest = numbers.fold(0.0_f64, |most, c| most.max(f64::from(c.abs())));
+    (part * diagonal(rest)).max(NOISE * largest)
 }
 
 /// The length of the bones of a limb in the mean, metres: as far as most hangs from a joint.

@@ -187,8 +187,8 @@ fn memory(sheet: &Sheet<'_>) -> Vec<EngineMemory> {
 }
 
 impl Engines {
-    /// What of this an effect has brought about, `before` being what was said of its input: targets that an engine does not take, or does
-    /// not play as they are meant. What else effects add is read everywhere, or told by those that add it.
+    /// What of this an effect has brought about, `before` being what was said of its input: targets and joints that an engine does not take, or
+    /// does not play as they are meant. What else effects add is read everywhere, or told by those that add it.
     pub(crate) fn note(&self, before: &Self) -> Option<String> {
         let known = |finding: &Finding| -> BTreeSet<usize> {
             let same = before.findings.iter().filter(|known| {
@@ -198,7 +198,10 @@ impl Engines {
             same.flat_map(|known| known.meshes.iter().copied()).collect()
         };
         let of_targets = |finding: &&Finding| {
-            matches!(finding.about, About::Targets | About::Vertices | About::Normals | About::Nodes)
+            matches!(
+                finding.about,
+                About::Targets | About::Vertices | About::Normals | About::Nodes | About::Joints
+            )
         };
         let new = |finding: &&Finding| {
             let known = known(finding);

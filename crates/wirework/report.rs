@@ -128,15 +128,15 @@ pub struct Skeleton {
     /// How many times as far as the control points of each wire its joints go: 1 but for amplitudes below 0 or above 1, and for wires
     /// that add up (`crossing: 1`). Empty for a limb.
     pub gains: Vec<f64>,
-    /// How far a vertex is at most from where the effect itself has it, metres, at all frames and between all keys. What hangs on a limb in part is
+    /// How far a vertex is at most from where the effect itself has it, metres, as looked at in all frames and twice between all keys. What hangs on a limb in part is
     /// turned by its part of the turn by the effect, and goes its part of the way by a skeleton: no number of joints makes up for that.
-    /// Wires that only translate leave what float32 rounds, and between keys of eased poses at most 5e-6 of the diagonal.
+    /// Wires that only translate leave what float32 rounds, and between keys of eased poses about 5e-6 of the diagonal.
     pub residual: f64,
     /// The same as a part of the model's diagonal.
     pub residual_of_diagonal: f64,
     /// When that is, seconds.
     pub seconds: f64,
-    /// How far a normal is at most from where the effect has it, degrees, then: joints turn normals by their own turns, so
+    /// How far a normal is at most from where the effect has it, degrees, at any of these: joints turn normals by their own turns, so
     /// that those that only move leave them as they are, and an effect has them follow the surface.
     pub normals_degrees: f64,
 }

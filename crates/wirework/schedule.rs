@@ -154,7 +154,9 @@ impl Schedule {
         for &key in keys.iter().filter(|key| (first..last).contains(*key)) {
             let place = times.partition_point(|time| *time < key);
             let around = times[place.saturating_sub(1)..].iter().take(2);
-            if around.into_iter().all(|time| (time - key).abs() * fps > AT_FRAME) {
+            // Files keep times as 32-bit floats.
+            let is_other = |time: &f64| (time - key).abs() * fps > AT_FRAME && *time as f32 != key as f32;
+            if around.into_iter().all(is_other) {
                 times.insert(place, key);
             }
         }

@@ -271,6 +271,32 @@ fn own_joints_follow_a_limb_over_a_clip_and_nothing_else_changes() {
 }
 
 #[test]
+fn what_eases_in_and_out_within_a_frame_is_followed() {
+    let place = Place::new();
+    place.write("arm.glb", arm(0.3).to_glb().unwrap());
+    let goal = "goal: Ease([(0, (2, 0, 0)), (1, (2.6, 0, 0))]), elasticity: 1, volume: 0";
+    place.write("limb.ron", format!("Ik({OWN}, {goal})"));
+    place.run("apply limb.ron arm.glb -o out.glb --bake skin --fps 1 --report out.json -q").expect(0);
+    let report: Value = serde_json::from_slice(&place.read("out.json")).unwrap();
+    let slow = place.residual(&report["skeleton"], "arm.glb", 0);
+    // As many frames as there are keys tell no less.
+    let told = place.skeleton("arm.glb", "");
+    assert!((place.residual(&told, "arm.glb", 0) - slow).abs() < 5e-4, "{told}, {slow}");
+}
+
+#[test]
+fn a_key_of_the_preset_that_files_cannot_tell_from_a_frame_is_that_frame() {
+    let place = Place::new();
+    place.write("arm.glb", arm(0.3).to_glb().unwrap());
+    let goal = "goal: Keys([(0, (2, 0, 0)), (64.000002, (1.1, 1.1, 0.4)), (65, (2, 0, 0))])";
+    place.write("limb.ron", format!("Ik({OWN}, {goal})"));
+    for bake in ["skin", "keys"] {
+        let frames = "--fps 1000 --frames 63998..64003";
+        place.run(&format!("apply limb.ron arm.glb -o out.glb --bake {bake} {frames} -q")).expect(0);
+    }
+}
+
+#[test]
 fn bones_that_only_turn_are_exact_between_joints() {
     let place = Place::new();
     place.write("arm.glb", arm(0.0).to_glb().unwrap());

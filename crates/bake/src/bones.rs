@@ -106,6 +106,8 @@ impl BonePose {
 #[derive(Clone, Debug)]
 pub struct BoneBaker {
     times: Vec<f32>,
+    /// The last time as it was given.
+    last: f64,
     tracks: Vec<JointTrack>,
 }
 
@@ -113,7 +115,7 @@ impl BoneBaker {
     /// For these joints, each behind the one that it hangs on.
     pub fn new(bones: &[Bone]) -> Self {
         let track = |bone: &Bone| JointTrack { node: bone.node, ..JointTrack::default() };
-        Self { times: Vec::new(), tracks: bones.iter().map(track).collect() }
+        Self { times: Vec::new(), last: f64::NEG_INFINITY, tracks: bones.iter().map(track).collect() }
     }
 
     /// The times that have been taken, seconds.
@@ -121,7 +123,8 @@ impl BoneBaker {
         &self.times
     }
 
-    /// Takes the next pose of the joints, and its time in seconds.
+    /// Takes the next pose of the joints, and its time in seconds. Files keep times in 32 bits: of two that are closer than that the later one
+    /// comes as soon as may be.
     ///
     /// # Errors
     ///
@@ -131,16 +134,17 @@ impl BoneBaker {
         if pose.local.len() != self.tracks.len() {
             return fault("has another number of joints");
         }
-        let time = time as f32;
-        if !(time.is_finite() && self.times.last().is_none_or(|last| *last < time)) {
+        let key = self.times.last().map_or(time as f32, |last| (time as f32).max(last.next_up()));
+        if !(key.is_finite() && self.last < time) {
             return fault("does not come after the one before it");
         }
+        self.last = time;
         for (track, (translation, rotation, scale)) in self.tracks.iter_mut().zip(&pose.local) {
             track.translations.push(translation.as_vec3().to_array());
             track.rotations.push(rotation.as_quat().to_array());
             track.scales.push(scale.as_vec3().to_array());
         }
-        self.times.push(time);
+        self.times.push(key);
         Ok(())
     }
 

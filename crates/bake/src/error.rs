@@ -57,7 +57,7 @@ pub enum BakeError {
     /// A frame has another number of vertices than the rest.
     #[error("frame {frame} has {found} vertices, the rest {expected}")]
     VertexCount {
-        /// Which frame, from 0.
+        /// Which frame, from 0; of joints, which key.
         frame: usize,
         /// Vertices of the frame.
         found: usize,
@@ -67,7 +67,7 @@ pub enum BakeError {
     /// A deformed vertex or the time of a frame is not a finite number, or times do not rise.
     #[error("frame {frame} {problem}")]
     Frame {
-        /// Which frame, from 0.
+        /// Which frame, from 0; of joints, which key.
         frame: usize,
         /// What is wrong with it.
         problem: &'static str,

@@ -15,8 +15,8 @@ use wirework_bake::{Bone, BoneBaker, BonePose, World};
 use wirework_core::{Weights, WeightsError, Wire};
 use wirework_preset::{Deform, KeyedWire, PoseKeys};
 
-use super::keys::straightened;
-use super::{Animated, WORLD, check_unmoved, diagonal, refused};
+use super::keys::{PART, straightened};
+use super::{Animated, WORLD, allowed, check_unmoved, refused};
 use crate::error::count;
 use crate::film::Film;
 use crate::{Job, JobError, Schedule, Skeleton};
@@ -84,15 +84,10 @@ impl Film<'_> {
             let places: Vec<World> = places.take(bones.len()).collect();
             BonePose::new(&bones, frame, |_| WORLD, &places)
         };
-        let off = |middle: &BonePose, ends: (&BonePose, &BonePose)| middle.off(&bones, ends, 0.5, 0.0);
-        // Files keep times in 32 bits: of two keys closer than that the later one comes as soon as may be.
-        let mut last = f32::NEG_INFINITY;
-        let mut take = |seconds: f64, pose: &BonePose| {
-            last = (seconds as f32).max(last.next_up());
-            baker.push(f64::from(last), pose)
-        };
+        let off = |middle: &BonePose, ends: (&BonePose, &BonePose)| middle.off(&bones, ends, PART, 0.0);
+        let mut take = |seconds: f64, pose: &BonePose| baker.push(seconds, pose);
         let times = times(&deform.wires, &self.schedule);
-        straightened(&times, job.tolerance.min(OF_EASED) * diagonal(&rest), &mut look, &off, &mut take)?;
+        straightened(&times, allowed(&rest, job.tolerance.min(OF_EASED)), &mut look, &off, &mut take)?;
         let joints = bones.len();
         let skeleton = Skeleton { joints, made: joints, influences, gains, ..Skeleton::default() };
         Ok(Animated { gltf, rest, shown, baker, skeleton, warnings })

@@ -93,6 +93,7 @@ pub(super) fn findings(sheet: &Sheet<'_>) -> Vec<Finding> {
     out.extend(parts(sheet));
     out.extend(MOST.iter().filter_map(|most| too_many(sheet, most)));
     out.extend(of_meshes(sheet));
+    out.extend(of_primitives(sheet));
     out.extend(costs(sheet));
     out
 }
@@ -114,14 +115,21 @@ fn extensions(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
     });
     std::iter::once((BEVY, bevy)).chain(of_lists).filter(|(_, names)| !names.is_empty()).map(
         |(engine, names)| {
-            let names: Vec<String> = names.into_iter().map(printable).collect();
-            let message = format!("the document requires {}", names.join(", "));
+            let message = format!("the document requires {}", some(names.into_iter().map(printable)));
             finding((engine, None), Severity::Refuses, About::Extension, (Vec::new(), message))
         },
     )
 }
 
-/// Of accessors, clips and scenes.
+/// The first few of a list, and how many there are more.
+fn some(list: impl ExactSizeIterator<Item = String>) -> String {
+    const FEW: usize = 8;
+    let more = list.len().saturating_sub(FEW);
+    let told = list.take(FEW).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{told} and {more} more") } else { told }
+}
+
+/// Of accessors, clips, scenes, skins and nodes.
 fn parts(sheet: &Sheet<'_>) -> Vec<Finding> {
     let mut out = Vec::new();
     let mut add = |engine, severity, about, (kind, entries): (&str, &[usize]), what: &str| {
@@ -156,11 +164,10 @@ fn parts(sheet: &Sheet<'_>) -> Vec<Finding> {
     );
     add((BEVY, None), Severity::Degrades, About::Joints, ("skin", &crowded), &what);
     if let Some((first, others)) = sheet.twins.split_first() {
-        let nodes: Vec<String> = first.iter().map(ToString::to_string).collect();
+        let nodes = some(first.iter().map(ToString::to_string));
         let more = if others.is_empty() { String::new() } else { format!("; so with {} more", others.len()) };
         let message = format!(
-            "nodes {} have the same names from the root on, by which it finds what clips move: each plays what is for the others{more}",
-            nodes.join(", ")
+            "nodes {nodes} have the same names from the root on, by which it finds what clips move: each plays what is for the others{more}"
         );
         out.push(finding((BEVY, None), Severity::Degrades, About::Nodes, (Vec::new(), message)));
     }
@@ -218,6 +225,22 @@ fn of_meshes(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
         |mesh| joints(mesh) as u64,
         |_| "may hang on more than four joints a vertex (JOINTS_1), it takes four".to_owned(),
     );
+    let found = [
+        ((BEVY, Some("up to 0.18")), Severity::Refuses, About::Vertices, vertices),
+        ((BEVY, Some("in older versions")), Severity::Degrades, About::Weights, unweighted),
+        ((BLENDER, Some("in some versions")), Severity::Refuses, About::UnequalTargets, unequal),
+        ((GODOT, None), Severity::Degrades, About::Names, named),
+        ((THREE, None), Severity::Degrades, About::Influences, joints.clone()),
+        ((BEVY, None), Severity::Degrades, About::Influences, joints),
+    ];
+    let told = |(engine, severity, about, told): (_, _, _, Option<_>)| {
+        told.map(|told| finding(engine, severity, about, told))
+    };
+    found.into_iter().filter_map(told)
+}
+
+/// What is wrong with kinds and contents of primitives.
+fn of_primitives(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
     let count = |of: fn(&Primitive) -> bool| {
         move |mesh: &Mesh| mesh.primitives.iter().filter(|primitive| of(primitive)).count() as u64
     };
@@ -235,21 +258,11 @@ fn of_meshes(sheet: &Sheet<'_>) -> impl Iterator<Item = Finding> {
             "has {targets} targets, and it shows at most {BABYLON_ATTRIBUTES} at a time there, the first that are not 0"
         )
     });
+    let attributes = Some("without textures of targets (WebGL1, Mali-G72)");
     let found = [
-        ((BEVY, Some("up to 0.18")), Severity::Refuses, About::Vertices, vertices),
         ((BEVY, None), Severity::Degrades, About::Normals, bare),
         ((BEVY, None), Severity::Refuses, About::Primitives, unread),
-        ((BEVY, Some("in older versions")), Severity::Degrades, About::Weights, unweighted),
-        ((BLENDER, Some("in some versions")), Severity::Refuses, About::UnequalTargets, unequal),
-        ((GODOT, None), Severity::Degrades, About::Names, named),
-        ((THREE, None), Severity::Degrades, About::Influences, joints.clone()),
-        ((BEVY, None), Severity::Degrades, About::Influences, joints),
-        (
-            (BABYLON, Some("without textures of targets (WebGL1, Mali-G72)")),
-            Severity::Degrades,
-            About::Influencers,
-            at_work,
-        ),
+        ((BABYLON, attributes), Severity::Degrades, About::Influencers, at_work),
     ];
     let told = |(engine, severity, about, told): (_, _, _, Option<_>)| {
         told.map(|told| finding(engine, severity, about, told))

@@ -39,13 +39,21 @@ impl Moved {
 fn cut(effects: &[Effect]) -> JobError {
     let message = "a weld that cuts borders changes the triangles, and a map is for those that the model has: found `weld: true`, \
                    expected `weld: false`";
-    let weld = |effect: &Effect| match &effect.action {
-        Action::Stitch(stitching) => stitching.stitch.seams.iter().position(|seam| seam.weld),
-        _ => None,
+    let welds = |effect: &Effect| match &effect.action {
+        Action::Stitch(stitching) => {
+            (0..stitching.stitch.seams.len()).filter(|seam| stitching.stitch.seams[*seam].weld).collect()
+        }
+        _ => Vec::new(),
     };
-    match effects.iter().find_map(|effect| Some((effect, weld(effect)?))) {
-        Some((effect, seam)) => {
-            let place = format!("seams[{seam}].weld");
+    let sewn = effects.iter().map(|effect| (effect, welds(effect))).find(|(_, welds)| !welds.is_empty());
+    match sewn {
+        Some((effect, welds)) => {
+            // Which of several cuts is not known.
+            let place = if let [seam] = welds.as_slice() {
+                format!("seams[{seam}].weld")
+            } else {
+                "seams".to_owned()
+            };
             let error = effect.typed.error(&place, PresetErrorKind::Value, message, None);
             JobError::Preset(Box::new(error))
         }
