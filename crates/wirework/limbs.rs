@@ -128,7 +128,7 @@ pub(crate) fn limbs(
             }
             Chain::Joints(_) => Vec::new(),
             Chain::Skin { root, tip } => match &subject.model {
-                Model::Gltf { gltf, .. } => chain(gltf, root, tip).map_err(refused)?,
+                Model::Gltf { gltf, .. } => chain(gltf, root, tip).map_err(refused(gltf))?,
                 Model::Mesh { .. } => {
                     return refuse(
                         "chain",
@@ -139,7 +139,7 @@ pub(crate) fn limbs(
         };
         let goal = match &limb.goal {
             Goal::Node(named) => Some(match &subject.model {
-                Model::Gltf { gltf, .. } => node(gltf, named).map_err(refused)?,
+                Model::Gltf { gltf, .. } => node(gltf, named).map_err(refused(gltf))?,
                 Model::Mesh { .. } => {
                     return refuse(
                         "goal",
@@ -225,10 +225,7 @@ fn chain(gltf: &Gltf, root: &Named, tip: &Named) -> Result<Vec<usize>, PresetErr
     gltf.node_path(above, below).filter(|path| path.len() > 1).ok_or_else(|| {
         let turned = gltf.node_path(below, above).is_some_and(|path| path.len() > 1);
         let help = if turned { "; the other way round they make a chain" } else { "" };
-        let file = printable(gltf.file());
-        let message =
-            format!("{file}: \"{}\" is not below \"{}\"{help}", printable(&tip.name), printable(&root.name));
-        tip.refused(message)
+        tip.refused(format!("\"{}\" is not below \"{}\"{help}", printable(&tip.name), printable(&root.name)))
     })
 }
 
@@ -240,7 +237,7 @@ fn joint(gltf: &Gltf, named: &Named) -> Result<usize, PresetError> {
     let found = joints.iter().copied().find(is_named).or_else(|| (0..gltf.node_count()).find(is_named));
     found.or_else(numbered).ok_or_else(|| {
         let known: Vec<String> = joints.iter().map(|&node| name(gltf, node)).collect();
-        unknown(gltf, named, "joint", &known)
+        unknown(named, "joint", &known)
     })
 }
 
@@ -250,7 +247,7 @@ fn node(gltf: &Gltf, named: &Named) -> Result<usize, PresetError> {
     let found = all.clone().find(|&node| gltf.node_name(node) == Some(named.name.as_str()));
     found.or_else(numbered).ok_or_else(|| {
         let known: Vec<String> = all.clone().map(|node| name(gltf, node)).collect();
-        unknown(gltf, named, "node", &known)
+        unknown(named, "node", &known)
     })
 }
 
@@ -259,14 +256,17 @@ fn name(gltf: &Gltf, node: usize) -> String {
     gltf.node_name(node).map_or_else(|| node.to_string(), str::to_owned)
 }
 
-fn unknown(gltf: &Gltf, named: &Named, what: &str, known: &[String]) -> PresetError {
+fn unknown(named: &Named, what: &str, known: &[String]) -> PresetError {
     let known: Vec<&str> = known.iter().map(String::as_str).collect();
-    let error = named.unknown(what, &known);
-    PresetError { message: format!("{}: {}", printable(gltf.file()), error.message), ..error }
+    named.unknown(what, &known)
 }
 
-fn refused(error: PresetError) -> JobError {
-    JobError::Preset(Box::new(error))
+/// The error that the names of a preset do not fit a document.
+fn refused(gltf: &Gltf) -> impl Fn(PresetError) -> JobError {
+    let file = printable(gltf.file());
+    move |error| {
+        JobError::Preset(Box::new(PresetError { message: format!("{file}: {}", error.message), ..error }))
+    }
 }
 
 /// Where all nodes are at rest.

@@ -75,6 +75,12 @@ fn a_skin_is_one_from_a_joint_down_to_another() {
     place.write("fault.ron", skin("goal: (1, 1, 1), chain: Skin(root: \"target\", tip: \"hand\")"));
     let told = place.run("apply fault.ron figure.glb --dry-run").expect(4).err();
     assert!(!told.contains("the other way round"), "that would help nothing: {told}");
+    for influence in ["influence: All", "influence: SkinWeights"] {
+        let chain = "chain: Skin(root: \"uper\", tip: \"hand\")";
+        place.write("fault.ron", format!("Ik({chain}, goal: (1, 1, 1), {influence})"));
+        let told = place.run("apply fault.ron figure.glb --dry-run").expect(4).err();
+        assert_eq!(told.matches("figure.glb: ").count(), 1, "{influence}: {told}");
+    }
 }
 
 #[test]
